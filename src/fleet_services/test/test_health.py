@@ -1,4 +1,4 @@
-"""systemd is told that a unit works while each of its nodes had a good report a short time ago."""
+"""systemd is notified that a unit works as long as each of its nodes had a good report recently."""
 from __future__ import annotations
 
 from fleet_services.health import PATIENCE, Health

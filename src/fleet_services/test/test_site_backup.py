@@ -25,7 +25,7 @@ from world.supervised_fleet import SupervisedFleet
 TEXT = 'graph_fleet_manager/closed_edges.json'
 GRAPH = 'Vertices: []\nEdges: []\n'
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
-SERVICE = 61234  # a user without rights, whom no system has
+SERVICE = 61234  # id of a user that no system has
 
 
 def corridor(length: int) -> Graph:
@@ -245,7 +245,7 @@ def contains(folder: Path, content: bytes) -> bool:
 
 
 def test_the_command_imports_nothing_from_where_it_is_called(tmp_path):
-    """It imports nothing from the working directory, from PYTHONPATH, or from the user's folder."""
+    """The command imports nothing from the working directory, PYTHONPATH, or the user's folder."""
     user_site = tmp_path / '.local/lib' / f'python3.{sys.version_info.minor}' / 'site-packages'
     user_site.mkdir(parents=True)
     mark = tmp_path / 'imported'

@@ -1,9 +1,9 @@
 """This version restores the backup of a site of 1.0.0, and reads each of its files.
 
 test/vectors/release_1_0_0 has files that the code of 1.0.0 wrote: graph, graph in force, closed
-edges, and the dumps of journal and records of the page. Version 1.0.0 accepted the fleet file and
-the site file. `archive` packs them like the backup command of 1.0.0. test_journal.py tests the
-journal as a file on the disk, with an open mission.
+edges, and dumps of the journal and of the page's records. It also has a fleet file and a site file
+that version 1.0.0 accepted. `archive` packs all files like the backup command of 1.0.0.
+test_journal.py tests a journal of 1.0.0 on the disk, with an open mission.
 """
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_the_graph_and_the_fleet_of_1_0_0_are_those_of_the_site(home):
         ('a', 'agv', 2, False), ('b', 'agv', 8, False), ('ld90_1', 'omron_ld90', 1, True)]
     assert [(one.reach, one.docks) for one in fleet.types] == [
         (0.4, None), (0.43 + 0.25, frozenset({1}))]
-    assert 'stopping: 3.5' in (site / 'fleet.yaml').read_text()  # it is ignored
+    assert 'stopping: 3.5' in (site / 'fleet.yaml').read_text()  # this version ignores it
 
 
 def test_the_site_file_of_1_0_0_is_read(home):

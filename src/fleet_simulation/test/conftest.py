@@ -1,4 +1,6 @@
-"""A small site for the tests of this package; the builders of fleet_core become importable."""
+"""Provides a small site for the tests of this package, and makes the builders of fleet_core
+importable.
+"""
 from __future__ import annotations
 
 import sys
@@ -40,10 +42,10 @@ def yard() -> Graph:
 
 @pytest.fixture(scope='session')
 def files_in(yard: Graph) -> Callable[..., Dict[str, str]]:
-    """A function that writes the files of graph, fleet, demand and, if it is given, work, into a
-    folder.
+    """A function that writes the files of graph, fleet and demand into a folder, and the work file
+    if work is given.
 
-    It returns their paths by name.
+    The function returns the paths; the keys are the names of the files.
     """
     def write(folder: Path, demand: str = DEMAND, fleet: str = FLEET,
               work: str = '') -> Dict[str, str]:
@@ -58,5 +60,5 @@ def files_in(yard: Graph) -> Callable[..., Dict[str, str]]:
 
 @pytest.fixture
 def files(files_in: Callable[..., Dict[str, str]], tmp_path: Path) -> Callable[..., Dict[str, str]]:
-    """The same function for the folder of one test."""
+    """The function of `files_in`, for the folder of one test."""
     return partial(files_in, tmp_path)

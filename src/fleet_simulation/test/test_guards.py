@@ -1,13 +1,15 @@
 """Chaos in virtual time: random runs of a fleet, called lives; a tenth of the plans is wrong.
 
-With all guards of the interlocking, the promises hold. Without one of these guards, they break.
-Normally the supervisor hides a missing guard: it does not ask for edges that most guards would
-refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore the supervisor
-is reckless in lives without a guard: it does none of this and asks for random edges.
+With all guards of the interlocking, the promises hold. If one of these guards is missing, promises
+are broken. Normally the supervisor hides a missing guard: it does not ask for edges that most
+guards would refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore
+the supervisor is reckless in lives without a guard: it does none of these things, and asks for
+random edges.
 
-In 200 such lives, no promise broke without `robot is clear of others` or `last order is settled`.
-The second of these guards follows from the rules `standing`, `moved`, `older` and `command` of the
-model of the route protocol. Without any of these rules, the model finds an unsafe state.
+In 200 such lives, no promise was broken without the guard `robot is clear of others`, and none
+without `last order is settled`. The second of these guards follows from the rules `standing`,
+`moved`, `older` and `command` of the model of the route protocol. If any of these rules is missing,
+the model finds an unsafe state.
 """
 from __future__ import annotations
 
@@ -89,9 +91,10 @@ class MovedFleet(CorruptedFleet):
 
 
 class RecklessFleet(CorruptedFleet):
-    """A fleet whose supervisor also asks the interlocking for grants without checks of its own.
+    """A fleet whose supervisor also asks the interlocking for grants without its own checks.
 
-    It asks for any robot, at any time, for any edge."""
+    It asks for any edge, for any robot, at any time.
+    """
 
     haste = 0.05
     """Probability of such a request per time step."""
@@ -138,7 +141,7 @@ def live(seed: int, world: Type[CorruptedFleet] = CorruptedFleet) -> None:
         chaos.happen(Event(draw.choice(world.acts), draw.choice(('now', 'now', 'order', 'plan')),
                            draw.choice((SAME, 0, 1, 2)), draw.randrange(61),
                            draw.choice((0.3, 0.8, 2.0))))
-    if not isinstance(fleet, RecklessFleet):  # it keeps wrong plans, so its missions need not end
+    if not isinstance(fleet, RecklessFleet):  # with wrong plans, missions may never end
         chaos.end()
 
 
@@ -174,7 +177,9 @@ def test_an_older_journal_that_is_believed_is_found(monkeypatch: pytest.MonkeyPa
 FOUND = (2336, 50429, 51297, 51327, 60171, 61151, 62182)
 FOUND_MOVED = (90917, 90850, 90915, 90924, 12)
 SOME = None if WHOLE else 1
-"""Number of these lives that run; None: all. If the fleet changes, a seed gives another life."""
+"""Number of these lives that run; None: all. After a change of the fleet, a seed gives another
+life.
+"""
 
 
 @pytest.mark.parametrize('seed', FOUND[:SOME])

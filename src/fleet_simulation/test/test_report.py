@@ -1,4 +1,4 @@
-"""The report of simulate_fleet: what it says about noise, and what its map shows."""
+"""The report of simulate_fleet: its statements about random differences, and its map."""
 from __future__ import annotations
 
 import re
@@ -96,7 +96,7 @@ def test_site_date_demand_fleet_and_runs_stand_at_the_top(study) -> None:
     head = page[:page.index('class="words"')]
     for words in ('graph.yaml: 15 vertices and 18 edges, 8 m x 4 m', '2026-11-27 09:30',
                   'demand.yaml: flow 1 (from vertex 21 to vertex 25), 60 per hour',
-                  'fleet.yaml: agv; simulated with 2 robots', '2 seeds of 1 h'):
+                  'fleet.yaml: agv; simulated with 2 robots', '2 runs of 1 h'):
         assert words in head
 
 

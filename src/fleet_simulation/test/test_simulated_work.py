@@ -1,4 +1,4 @@
-"""simulate_fleet with a work file: steps, stations, doors and deadlines, and their bottleneck."""
+"""simulate_fleet with a work file: steps, stations, doors, deadlines, and the bottleneck."""
 from __future__ import annotations
 
 import csv

@@ -1,4 +1,4 @@
-"""The time to go that people see, compared with the time that robots really need."""
+"""The displayed time to go, compared with the time that robots really need."""
 from __future__ import annotations
 
 import math
@@ -20,7 +20,7 @@ from trajectory_graph import load_graph, split_edges
 
 LAB = Path(__file__).parents[3] / 'maps' / 'lab_graph.yaml'
 PLACES = (6, 18, 27, 39, 52)
-DRIVES = 3      # missions that the robot serves before the time is right
+DRIVES = 3      # missions that the robot serves before the displayed time must be right
 MORE = 5 if is_whole(__file__) else 2
 RIGHT = 0.2     # fraction of the true time by which the shown time may differ
 TYPES = {

@@ -1,4 +1,4 @@
-"""The witness names each broken promise, and nothing else."""
+"""The witness reports each broken promise, and nothing else."""
 from __future__ import annotations
 
 import ast

@@ -1,4 +1,4 @@
-"""Floor plans for tests (rooms with doors, halls, clutter) as sites that need no file."""
+"""Floor plans for tests (rooms with doors, halls, objects), as sites that need no file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ Box = Tuple[float, float, float, float]  # x1, y1, x2, y2 in m
 
 @dataclass(frozen=True)
 class Plan:
-    """Walls and objects as boxes in m, and the starts of robots."""
+    """Walls and objects as boxes (m), the start of robots, and named places."""
 
     width: float
     height: float
@@ -51,13 +51,15 @@ def two_rooms(door: float = 1.4) -> Plan:
 
 
 def corner() -> Plan:
-    """A corridor of 2 m with a right angle."""
+    """A corridor 2 m wide with a right-angled corner."""
     return Plan(10.0, 10.0, ((2.0, 0.0, 10.0, 8.0),), (1.0, 1.0))
 
 
 @st.composite
 def floor_plans(draw: st.DrawFn) -> Plan:
-    """A corridor between two rows of rooms with doors, a hall at the end, clutter anywhere."""
+    """A corridor between two rows of rooms with doors, sometimes a hall at the end, and objects at
+    random.
+    """
     passage = draw(st.sampled_from((1.3, 1.8, 2.6)))
     depths = draw(st.integers(28, 60)) / 10.0, draw(st.integers(28, 60)) / 10.0
     widths = draw(st.lists(st.integers(26, 60).map(lambda cm: cm / 10.0), min_size=1, max_size=3))

@@ -1,4 +1,5 @@
-"""The menus are one table. RViz gets its rows with ids that refer back to the table."""
+"""All menus come from one table. RViz gets the table's rows with ids that refer back to the table.
+"""
 from __future__ import annotations
 
 import pytest

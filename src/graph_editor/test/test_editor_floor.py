@@ -1,4 +1,4 @@
-"""Floors: their clearance, their reachable area, and which cells are inside."""
+"""The clearance, the reachable area and the inside of floors."""
 from __future__ import annotations
 
 import math

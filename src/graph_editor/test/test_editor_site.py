@@ -25,7 +25,7 @@ negate: 0
 
 
 def hall() -> np.ndarray:
-    """A hall of 6 x 4 m as map_server's grey values: row 0 is the highest."""
+    """A hall of 6 x 4 m in the grey values of map_server; row 0 has the highest y."""
     grey = np.full((40, 60), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
     grey[5:10, 5:10] = 205  # unknown cells
@@ -177,7 +177,7 @@ def test_an_image_that_map_server_would_read_otherwise_is_refused(tmp_path):
     grey.save(tmp_path / 'a.png', transparency=254)
     with pytest.raises(SiteError, match='save it as an 8-bit grey PGM or PNG file'):
         load_ros_map(str(tmp_path / 'hall.yaml'))
-    (tmp_path / 'a.png').write_bytes(b'P5 2 1 65535\n' + bytes(4))  # SDL_image refuses it
+    (tmp_path / 'a.png').write_bytes(b'P5 2 1 65535\n' + bytes(4))  # SDL_image refuses this file
     with pytest.raises(SiteError, match='save it as an 8-bit grey PGM or PNG file'):
         load_ros_map(str(tmp_path / 'hall.yaml'))
 

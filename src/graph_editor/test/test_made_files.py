@@ -1,4 +1,4 @@
-"""make_graph replaces an earlier file of its own only if nobody edited the file."""
+"""make_graph replaces a file that it made earlier only if the file was not edited."""
 from __future__ import annotations
 
 import pytest

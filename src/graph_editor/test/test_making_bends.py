@@ -1,4 +1,4 @@
-"""Bends of lanes are round if there is room. They are never in a narrow door."""
+"""Bends of lanes are round if there is room. No bend is in a narrow door."""
 from __future__ import annotations
 
 from typing import List, Sequence, Tuple
@@ -14,11 +14,13 @@ from trajectory_graph.curves import cubic_bezier
 
 OPTIONS = MakingOptions()
 CORNERS = ((4.2, 1.0), (4.2, 5.0), (5.8, 5.0), (5.8, 9.0))
-"""In m: the lane leads up, right through a wall at x = 5, and up again."""
+"""The corners of a lane (m): up, to the right through a wall at x = 5, and up again."""
 
 
 def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> List[Piece]:
-    """The pieces of the lane along `corners` through a door (m) in the wall between two rooms."""
+    """The pieces of the lane along `corners`. It leads through a door (width in m) between two
+    rooms.
+    """
     plan = Plan(10.0, 10.0, ((4.95, 0.0, 5.05, 5.0 - door / 2.0),
                              (4.95, 5.0 + door / 2.0, 5.05, 10.0)), (1.0, 1.0))
     net = LaneNet(plan.site().floor)
@@ -62,7 +64,7 @@ def test_a_wide_opening_may_be_passed_in_a_bend():
 
 
 def test_a_lane_with_no_room_to_turn_anywhere_still_bends():
-    """Otherwise a robot would have to turn where it cannot."""
+    """Without a bend, a robot would have to turn at a place where it cannot."""
     corners = ((4.2, 5.0), (5.0, 5.0), (6.0, 5.8))
     made = pieces(0.8, corners)
     assert [piece.control is not None for piece in made].count(True) == 1

@@ -31,9 +31,11 @@ OPTIONS = MakingOptions()
 
 
 def floor_of_robot(site: MappedSite) -> np.ndarray:
-    """The floor where a robot can turn, or pass straight, from its start places.
+    """The floor that a robot can reach from its start places, and where it can turn or pass
+    straight.
 
-    The margin is larger than the smallest margin of the maker, so the maker must reach all of it.
+    The margin here is larger than the smallest margin of make_graph, so the graph must reach all
+    this floor.
     """
     floor, turning = site.floor, OPTIONS.turning
     parts, count = ndimage.label(floor.clearance >= turning, np.ones((3, 3)))
@@ -55,7 +57,7 @@ def floor_of_robot(site: MappedSite) -> np.ndarray:
 
 def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
                      near: coo_matrix) -> bool:
-    """Whether a straight line with room to pass leads from a point in `starts` to one in `ends`."""
+    """Whether a robot has room on a straight line from a point in `starts` to a point in `ends`."""
     first, last = starts[near.row], ends[near.col]
     room = np.full(len(first), np.inf)
     for fraction in np.linspace(0.0, 1.0, 31):
@@ -69,12 +71,14 @@ def share_served(site: MappedSite, graph: Graph, reach: float) -> float:
 
 
 def floor_left(site: MappedSite, graph: Graph, reach: float) -> float:
-    """The area (m2) of the robot's floor that is farther from all edges."""
+    """The area (m2) of the robot's floor that is farther than `reach` m from all edges."""
     return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
 
 
 def served_or_not(site: MappedSite, graph: Graph, reach: float) -> np.ndarray:
-    """Whether each cell of the robot's floor is within `reach` m; paths may lead through gaps."""
+    """For each cell of the robot's floor: whether an edge is within `reach` m. Paths may lead
+    through gaps.
+    """
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
     served = np.zeros(coverage.mask.size, bool)
@@ -161,7 +165,7 @@ def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
 
 
 def room_behind_a_corner(width: float) -> Plan:
-    """Two rooms that a passage with a right angle connects."""
+    """Two rooms, connected by a passage with a right-angled corner."""
     return Plan(9.0, 7.0 + width, (
         (0.0, 3.0, 5.0, 4.0), (5.0 + width, 3.0, 9.0, 4.0 + width),
         (3.0, 4.0 + width, 9.0, 7.0 + width)), (2.0, 1.5))
@@ -277,7 +281,7 @@ def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
         assert min(graph.curve(id).length for id in graph.edges) > 0.05
         assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
                    for edge in graph.edges.values())
-    # in a small plan, a tenth of the floor may be too little for a lane of its own
+    # in a small plan, a tenth of the floor may be too little for another lane
     assert share_served(site, graph, 3.5) > 0.9 or floor_left(site, graph, 3.5) < LEAST_FLOOR
     again = make_graph(plan.site(), OPTIONS).graph
     assert dump_graph(again) == dump_graph(graph), 'a second graph must be the same'

@@ -68,7 +68,9 @@ def test_a_dead_end_that_is_moved_aside_keeps_the_clearance_that_a_lane_needs():
 
 
 def test_two_bends_do_not_become_one_where_robots_cannot_turn():
-    """Objects keep each bend from moving to the other. The outer lanes would meet near one."""
+    """Objects prevent that one bend is merged into the other. The extended outer lanes meet near an
+    object.
+    """
     things = (1.95, 3.6, 2.0, 3.65), (2.4, 4.0, 2.45, 4.05), (3.2, 2.65, 3.3, 2.75)
     bends = (1.0, 3.0), (2.6, 3.0), (3.0, 3.4), (3.0, 5.0)
     for turning, lanes in ((0.0, 2), (OPTIONS.least_turning, 3)):
@@ -80,7 +82,8 @@ def test_two_bends_do_not_become_one_where_robots_cannot_turn():
 
 
 def test_of_two_parts_the_one_stays_that_robots_can_drive_to_not_the_nearer_one():
-    """Robots fit through the gap between the parts, but they cannot turn in front of it."""
+    """Robots fit through the gap between the two parts, but they cannot turn in front of this gap.
+    """
     block = (2.0, 0.6, 3.2, 1.8)
     plan = Plan(8.0, 5.0, ((0.0, 1.7, 1.15, 1.8), (1.85, 1.7, 8.0, 1.8), block), (0.9, 0.85))
     net = net_of(plan, (1.5, 4.3), (1.5, 0.3), (3.7, 0.3), (7.0, 0.3))

@@ -3,7 +3,7 @@
  * roslaunch starts `hosted` in place of that fork. `hosted` passes on the standard streams, the
  * folder, the environment and the arguments, forwards signals, and ends with the status of the
  * fork. As the launch-prefix of a <node> it leaves respawn, logs and Ctrl-C to roslaunch. It is
- * written in C because a site runs hundreds of them; each one needs only 0.1 MB.
+ * written in C because a site runs hundreds of these processes; each one needs only 0.1 MB.
  */
 #define _GNU_SOURCE
 #include <errno.h>

@@ -1,4 +1,6 @@
-"""The host and `hosted` as processes; this process is the parent of both, in roslaunch's place."""
+"""Tests of the host and of `hosted`, which run as processes. Their parent is this process, not
+roslaunch.
+"""
 from __future__ import annotations
 
 import os
@@ -29,7 +31,7 @@ def hosted(tmp_path_factory):
 
 
 class Launch:
-    """A host, and programs in it."""
+    """A host, and programs that run as forks of it."""
 
     def __init__(self, folder, hosted):
         self.folder, self._hosted = folder, hosted
@@ -82,8 +84,8 @@ def until(condition):
 
 
 def is_there(pid):
-    """Returns whether the process runs. A process that has ended counts as gone even if no process
-    waits for it: in a container, the first process may wait only for its own children.
+    """Returns whether the process runs. A process that has ended does not run, even if no process
+    has waited for it: in a container, the first process may wait only for its own children.
     """
     try:
         return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
@@ -174,7 +176,7 @@ def test_a_host_that_is_killed_takes_its_programs_along_and_a_new_one_starts_the
     host.kill()
     assert result(program)[0] == 1
     until(lambda: not is_there(pid))
-    again = launch.run('print("again")')  # this program waits for its host
+    again = launch.run('print("again")')  # this program waits for a new host
     launch.host()
     assert result(again)[:2] == (0, 'again\n')
 

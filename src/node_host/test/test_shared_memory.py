@@ -1,4 +1,4 @@
-"""Objects made by a fork are on memory pages of its own."""
+"""Objects that a fork makes are on memory pages that only this fork uses."""
 from __future__ import annotations
 
 import subprocess

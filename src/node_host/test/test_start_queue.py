@@ -43,7 +43,7 @@ def test_a_program_that_is_not_wanted_any_more_does_not_start():
 
 
 def run_once(queue, identity, begin, end, failed=True):
-    """Requests a program, lets it run and end; returns the time of its start."""
+    """Requests a program, and lets it run and end. Returns the time of its start."""
     begin += queue.ask(identity, identity, begin)
     assert queue.next(begin) == identity
     queue.started(identity)

@@ -9,7 +9,8 @@ are secrets. They are saved in BACKUP.secrets.tar.gz and are restored from there
 The replay of the page is not saved. A file that a restore replaces is kept as NAME.before_restore. After a restore the fleet manager
 begins as with a lost journal: open missions are CANCELLED, and driving robots are stopped until all stand still.
 
-Root reads and writes in a folder of another user with the rights of that user only. Restored files belong to the owner of their folder.
+If this program runs as root, it reads and writes in a user's folder only with the rights of that
+user. Restored files belong to the owner of their folder.
 
 Exit status 0: done; 1: not done, with one sentence that says why.
 """  # noqa: E501 - it is shown by --help
@@ -79,7 +80,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def ros_home() -> Path:
-    """Returns the folder in which nodes, or the services of a site, keep their data."""
+    """Returns ROS_HOME, the folder in which nodes, or the services of a site, keep their data."""
     return Path(os.environ.get('ROS_HOME') or Path.home() / '.ros')
 
 
@@ -144,8 +145,10 @@ def _services(home: Path) -> List[int]:
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """Returns the owner of a folder of state. If root does not own ROS_HOME, the owner of ROS_HOME
-    counts: this user may have put a link in place of the folder.
+    """Returns the user with whose rights a folder of state is used: the owner of ROS_HOME, or the
+    owner of the folder if root owns ROS_HOME.
+
+    A user that owns ROS_HOME may have put a link in place of the folder.
     """
     return owner_of(home) or owner_of(folder)
 
@@ -169,7 +172,7 @@ def _folder_of(name: str, home: Path) -> Path:
 
 
 def _copy_state(path: Path, into: IO[bytes]) -> None:
-    """Copies a persistent file, if it exists. The copy of a database has its state at one moment.
+    """Copies a persistent file, if it exists. The copy of a database shows its state at one moment.
     """
     if not path.is_file():
         return
@@ -231,7 +234,7 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
 
 
 def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Tuple[Path, Path]:
-    """Returns the folder and the path to which a file is restored.
+    """Returns the base folder (FOLDER or a ROS_HOME) and the path to which a file is restored.
 
     Raises NotDone for an unknown file.
     """
@@ -274,7 +277,8 @@ def _renew_journal(journal: Path, content: IO[bytes], said: IO[bytes]) -> None:
 
 
 def _put(place: Path, content: IO[bytes]) -> None:
-    """Puts a file in its place. The old file is kept, with the log of an SQLite file."""
+    """Puts a file in its place. Keeps the old file; if it is an SQLite file, its log is kept, too.
+    """
     place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     kept = place.with_name(place.name + KEPT)
     for ending in ('-wal', '-shm'):

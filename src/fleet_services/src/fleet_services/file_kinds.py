@@ -7,7 +7,7 @@ import yaml
 
 #: The first bytes of files without secrets: maps of robots and pictures.
 _KNOWN = (b'2D-Map', b'\x89PNG\r\n', b'P5', b'P2')
-#: The keys of YAML files without secrets: graph, fleet file, site file, map of ROS.
+#: The keys of YAML files without secrets: graph, fleet file, site file, and ROS map.
 _DOCUMENTS: Tuple[FrozenSet[str], ...] = tuple(map(frozenset, (
     ('vertices', 'edges'), ('robots', 'robot_types'), ('name', 'arguments'),
     ('image', 'resolution'))))
@@ -16,7 +16,9 @@ _WORDS = ('password', 'passwd', 'token', 'secret')
 
 
 def is_secret(content: bytes) -> bool:
-    """Returns whether a file may be a secret: it is not of a kind that is known to have none."""
+    """Returns whether a file may be a secret: every file, except the kinds known to have no
+    secrets.
+    """
     if content.startswith(_KNOWN):
         return False
     if content.lstrip().startswith(_CERTIFICATE):

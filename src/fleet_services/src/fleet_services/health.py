@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Dict, FrozenSet, Iterable
 
-PATIENCE = 15.0  # s; a unit counts as hung if a node is silent or reports a hang for longer
+PATIENCE = 15.0  # s; a unit counts as hung if one of its nodes sends no good report for longer
 
 
 class Health:
@@ -27,6 +27,7 @@ class Health:
         return self.nodes == set(self._well)
 
     def hung(self, now: float) -> FrozenSet[str]:
-        """Returns the nodes without a good report for more than `PATIENCE`; `now` in s, monotonic.
+        """Returns the nodes whose last good report is older than `PATIENCE`; `now` is in s,
+        monotonic.
         """
         return frozenset(node for node, heard in self._well.items() if now - heard > PATIENCE)

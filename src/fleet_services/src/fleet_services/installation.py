@@ -27,10 +27,10 @@ from fleet_services.site_file import SiteFile
 from fleet_services.state_folders import DATA, LOGS, make_private, move, planned_moves
 from fleet_services.units import System, unit_files
 
-#: Environment variables of this process that the nodes need, too.
+#: Environment variables of this process that the nodes need as well.
 _INHERITED = re.compile(r'ROS_(?!MASTER_URI|IP|HOSTNAME|HOME|LOG_DIR|NAMESPACE)\w+|PYTHONPATH|PATH|'
                         r'LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
-#: Names of nodes that are not watched by a watchdog of this project.
+#: Names of nodes that have no watchdog of this project.
 NOT_WATCHED = re.compile(r'/(?:\w+/)*(?:node_host|ld90_sim|master_discovery|master_sync)\w*\Z')
 #: Environment variables that are lists of folders. An empty entry would be the working directory.
 _LISTS = re.compile(r'ROS_PACKAGE_PATH|PYTHONPATH|PATH|LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
@@ -57,7 +57,8 @@ class Machine:
 
     @property
     def is_this(self) -> bool:
-        """Whether this is the machine that runs this program, and not an image of another one."""
+        """Whether this is the machine that runs this program, and not an image of another machine.
+        """
         return self.root == Path('/')
 
     @property
@@ -68,8 +69,8 @@ class Machine:
     def ids(self, user: str) -> Tuple[int, int]:
         """Returns the numbers of a user and of the group with the same name.
 
-        A number is -1, which changes nothing, if the machine does not have the name, or if this
-        process is not root.
+        A number is -1 if the machine does not have the name, or if this process is not root.
+        `chown` with -1 changes nothing.
         """
         if os.geteuid() != 0:
             return -1, -1
@@ -147,7 +148,7 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
 
 
 def remove(name: str, machine: Machine, purge: bool) -> List[str]:
-    """Removes a site's services; `purge`: its data, too. Returns lines about the result."""
+    """Removes a site's services, and with `purge` its data. Returns lines about the result."""
     target = machine.path(UNITS, f'fleet-{name}.target')
     units = _units_of(target)
     settings = machine.path(SETTINGS, name)
@@ -172,7 +173,7 @@ def remove(name: str, machine: Machine, purge: bool) -> List[str]:
 
 
 def _units_of(target: Path) -> List[Path]:
-    """Returns the existing files of the target and of the services that it names."""
+    """Returns the existing unit files: of the target, and of the services that the target names."""
     if not target.exists():
         return []
     names = re.findall(r'fleet-[a-z0-9-]+\.service', target.read_text(encoding='utf-8'))
@@ -227,7 +228,7 @@ def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
 
 
 def _close(folders: Iterable[Path], group: int) -> None:
-    """Makes the files in these folders private, each with the rights of the folder's owner."""
+    """Makes the files in each of these folders private, with the rights of the folder's owner."""
     for folder in folders:
         if folder.is_dir() and not folder.is_symlink():
             as_user(owner_of(folder), partial(make_private, folder), group)
@@ -245,7 +246,8 @@ def _own(folder: Path, user: int, group: int, mode: int) -> None:
 
 
 def _make_files(site: SiteFile, system: System, settings: Path) -> InstallationPlan:
-    """Makes graph, map, fleet file and launch files. The paths in them are without the root."""
+    """Makes graph, map, fleet file and launch files. Paths in these files do not contain the root.
+    """
     gathered = gather(site.options, str(settings), check=False)
     files, graph = dict(gathered.files), gathered.site
     for path in (files['fleet'], graph.map_file):
@@ -323,7 +325,7 @@ def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
     kept['PATH'] = f'{_folder_of_master()}:{kept["PATH"]}'
     kept.update({'ROS_IP': site.address, 'LANG': 'C.UTF-8',
                  'ROS_MASTER_URI': f'http://{site.address}:{site.master_port}',
-                 # so a unit imports only files that root has installed
+                 # With these, a unit imports only files that root has installed.
                  'PYTHONNOUSERSITE': '1', 'PYTHONSAFEPATH': '1', 'PYTHONDONTWRITEBYTECODE': '1'})
     return ''.join(f'{name}="{value}"\n' for name, value in kept.items())
 
@@ -335,7 +337,7 @@ def _write(path: Path, text: str, mode: int = READABLE) -> None:
 
 
 def _keep_secret(source: Path, kept: Path) -> None:
-    """Makes a copy of a file that only root can read."""
+    """Makes a copy of a file. Only root can read the copy."""
     kept.parent.mkdir(mode=CLOSED, exist_ok=True)
     with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, SECRET), 'wb') as stream:
         stream.write(source.read_bytes())

@@ -1,8 +1,8 @@
 """Does work in the folders of other users with their rights, never with those of root.
 
-A user can put a link into a folder of its own at any time. If a program with the rights of root
-works there, it reads or writes the file that the link names. A process with the rights of that user
-cannot do more than the user.
+A user can put a link into its own folder at any time. A program with the rights of root that works
+in this folder would read or write the file that the link names. A process with the rights of the
+user cannot do more than the user.
 """
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def as_user(user: int, work: Callable[[], None], group: int = _NOBODY) -> None:
     Under root, `work` runs in a separate process, which gives up the rights of root. Any other
     caller has no rights to give up, so `work` runs in this process.
 
-    group -- the group of a user that this system does not know, such as a user of an image
+    group -- the group to use if this system does not know the user, such as a user of an image
     """
     if os.geteuid() != 0 or user == 0:
         work()
@@ -96,8 +96,9 @@ def read_as_owner(path: Path, into: IO[bytes]) -> None:
 
 
 def copy_regular(path: Path, into: IO[bytes], follows: bool = False) -> None:
-    """Copies a regular file with one name. Other kinds of files may never end, and a second name
-    may be a trap.
+    """Copies a regular file that has only one name.
+
+    Reading another kind of file may never end, and a second name (hard link) may be a trap.
     """
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if follows else os.O_NOFOLLOW)
     with open(os.open(path, flags), 'rb') as source:

@@ -1,8 +1,9 @@
 """Plans the services of a site: their launch files, and the secrets that each service may read.
 
-Only the service that needs a secret of the site (ARCL password, the page's tokens or key) reads it,
-from the path at which systemd provides it. Each service keeps its state in a folder of its own. It
-communicates only with the addresses that it needs, if the site file lists the networks.
+A secret of the site (ARCL password, the page's tokens or key) is read only by the service that
+needs it, from the path at which systemd provides it. Each service keeps its state in its own
+folder. If the site file lists the networks, a service communicates only with the addresses that it
+needs.
 """
 from __future__ import annotations
 
@@ -29,9 +30,9 @@ _OF_THE_PAGE = ('token_file', 'key_file')
 class InstallationPlan:
     """The files to install.
 
-    launches -- text of the launch file of each service, by the service's name
-    secrets  -- source file of each secret, by the secret's name
-    robots   -- service of each robot whose nodes run here, by the robot's name
+    launches -- text of each service's launch file; the keys are the names of the services
+    secrets  -- source file of each secret; the keys are the names of the secrets
+    robots   -- service of each robot whose nodes run here; the keys are the names of the robots
     """
 
     services: Tuple[Service, ...]
@@ -51,7 +52,7 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
                   programs: Mapping[str, str]) -> InstallationPlan:
     """Returns all services of a site, in the order in which they start.
 
-    files    -- paths by the kind of file
+    files    -- paths of the site's files; the keys are the kinds of file
     programs -- absolute paths of `roscore` and `roslaunch`
     """
     files = {**files, 'journal': f'/{DATA}/{site.name}/{MANAGER}/{JOURNAL}'}
@@ -93,8 +94,9 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
 def _with_secret_passwords(
         group: Sequence[RobotEntry], service: str,
         system: System) -> Tuple[List[RobotEntry], Dict[str, str]]:
-    """Returns the robots with the paths from which the service reads their passwords, and the
-    password files by the names of these secrets.
+    """Returns the robots, and the password files; the keys are the names of the secrets.
+
+    The robots get the paths from which the service reads their passwords.
     """
     own, secrets = [], {}
     for one in group:
@@ -107,8 +109,8 @@ def _with_secret_passwords(
 
 
 def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[str, ...]]:
-    """Returns the addresses with which every service may communicate; None: the site file does not
-    list them.
+    """Returns the addresses with which every service may communicate; None: with all addresses,
+    because the site file lists no networks.
     """
     if site.networks:
         return _with(tuple(site.networks), [site.address])

@@ -1,12 +1,12 @@
 """The site file, which describes the services of a fleet on this computer.
 
     name: hall                 # part of the units' names: fleet-hall-manager.service ...
-    user: fleet                # a user without rights; created if it does not exist
-    address: 10.0.0.9          # address by which robots' computers reach this one; 127.0.0.1
+    user: fleet                # a user without privileges; created if it does not exist
+    address: 10.0.0.9          # address of this computer for robots' computers; default: 127.0.0.1
     master_port: 11311
     robots_per_unit: 10        # largest number of LD-90s whose nodes share a unit
-    networks: [10.0.0.0/24]    # networks with which the services may communicate; without it: all
-    arguments:                 # those of scripts/run.sh fleet:=...; files relative to this file
+    networks: [10.0.0.0/24]    # networks with which the services may communicate; default: all
+    arguments:                 # arguments of scripts/run.sh fleet:=...; paths relative to this file
       fleet: fleet.yaml
       graph_file: graph.yaml
       map_file: site.map

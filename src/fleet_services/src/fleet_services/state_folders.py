@@ -4,7 +4,7 @@
     /var/lib/fleet/hall/page/fleet_page/...
     /var/lib/fleet/hall/robots-1/omron_ld90/...
 
-Up to version 1.0.0, all units shared the folder of the site, and it was ROS_HOME of all nodes.
+Up to version 1.0.0, all units shared the folder of the site, which was ROS_HOME of all nodes.
 """
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
     """Returns the files and folders to move so that each unit finds its state in its own folder.
 
     site   -- the folder of the site
-    units  -- the unit for each folder of ROS_HOME (`UNITS`), for the units that the site has
+    units  -- the unit to which each folder of ROS_HOME belongs (`UNITS`), without missing units
     robots -- the unit of each robot, by the robot's name
     Raises NotDone if the state of a unit exists twice. See `move`.
     """
     moves = [(site / folder, site / unit / folder) for folder, unit in units.items()
              if (site / folder).is_dir()]
     moves += _moves_of_robots(site, robots)
-    if owner_of(site):  # root does not own it, so it is a site of 1.0.0
+    if owner_of(site):  # root does not own the folder, so the site is one of 1.0.0
         moves += [(file, site / MASTER / file.name) for file in sorted(site.glob(_PROCESS_IDS))]
     moves = [(source, target) for source, target in moves
              if not (source.name.endswith(_LOCK) and target.exists())]

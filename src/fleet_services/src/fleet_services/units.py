@@ -10,8 +10,8 @@ from typing import Dict, List, Optional, Sequence, Tuple
 CREDENTIALS_FROM = 247    # first version of systemd with LoadCredential
 RESTART_STEPS_FROM = 254  # first version of systemd with RestartSteps
 WATCHDOG = 30  # s; systemd restarts a unit that has not notified it for this time
-START = 180    # s in which all nodes of a unit must begin to work
-STOP = 90      # s in which a unit must end, including the pause before a restart
+START = 180    # s within which all nodes of a unit must begin to work
+STOP = 90      # s within which a unit must end, including the pause before a restart
 OPEN_FILES = 16384
 
 #: Restrictions of each unit; `systemd-analyze security` rates them. ProcSubset is not set, because
@@ -77,7 +77,7 @@ class Service:
     command -- ExecStart
     secrets -- names of the secrets that the unit may read
     is_watched -- whether the unit notifies systemd that it is ready and that it works
-    reads -- names of the services whose state the unit may read, but not change
+    reads -- names of other services; the unit may read their state, but not change it
     peers -- addresses and networks with which the unit may communicate, besides this computer;
              None: with all
     """
@@ -117,7 +117,7 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         f'LogsDirectory=fleet/{own}', 'LogsDirectoryMode=0700',
         f'RuntimeDirectory=fleet-{system.site}-{service.name}', 'RuntimeDirectoryMode=0700',
         'RuntimeDirectoryPreserve=yes',
-        # In the folders of all sites and units, a unit sees only its own.
+        # Of the folders of all sites and units, a unit sees only its own.
         'TemporaryFileSystem=%S/fleet:ro %L/fleet:ro', f'BindPaths={state} {logs}',
         *(f'BindReadOnlyPaths=-%S/fleet/{system.site}/{other}' for other in service.reads),
         f'WorkingDirectory={state}', f'ExecStart={service.command}',

@@ -1,4 +1,4 @@
-"""A site is installed below a folder, and removed again; needs a ROS workspace."""
+"""A site is installed below a folder, and removed again. These tests need a ROS workspace."""
 from __future__ import annotations
 
 import os
@@ -22,7 +22,9 @@ FINISHED_MAP = Path(__file__).resolve().parents[4] / 'maps' / 'lab.map'
 
 
 def make_site(folder: Path, map_file: str = '') -> Path:
-    """Makes the files of a site. Without `map_file`, the installation itself makes the map (s)."""
+    """Makes the files of a site. Without `map_file`, the installation makes the map, which takes
+    some s.
+    """
     (folder / 'tokens').write_text(TOKENS)
     (folder / 'tokens').chmod(0o600)
     write_site(folder, f'fleet: 2, token_file: tokens, map_file: "{map_file}"')
@@ -36,7 +38,7 @@ def write_site(folder: Path, arguments: str, name: str = 'hall', robots_per_unit
 
 @pytest.fixture
 def site() -> Iterator[Path]:
-    """A site in a folder that all users reach."""
+    """A site in a folder that all users can enter."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o755)
         yield make_site(Path(folder), str(FINISHED_MAP))
@@ -56,7 +58,7 @@ def installed(site: Path, root: Path) -> Path:
 
 @pytest.fixture(autouse=True, scope='module')
 def systemd() -> Iterator[None]:
-    """Sets the version of systemd to the one of Debian 12, on any machine."""
+    """Sets the version of systemd to that of Debian 12, on every machine."""
     before = command.systemd_version
     command.systemd_version = lambda: 252
     yield
@@ -140,7 +142,7 @@ def test_only_the_name_of_a_site_is_removed(root, capsys, name):
     assert set(root.rglob('*')) == before
 
 
-SERVICE = 61234  # the user of the services in an image
+SERVICE = 61234  # user id of the services in an image
 
 
 @pytest.fixture
@@ -199,7 +201,7 @@ def make_site_of_1_0_0(image: Path, files: Iterable[str] = (*STATE, 'notes')) ->
         (home / name).parent.mkdir(parents=True, exist_ok=True)
         (home / name).write_text(name)
     for path in (home, *home.rglob('*')):
-        path.chmod(0o700 if path.is_dir() else 0o600)  # its units had the umask 077
+        path.chmod(0o700 if path.is_dir() else 0o600)  # the units of 1.0.0 had the umask 077
         os.chown(path, SERVICE, SERVICE)
     return home
 

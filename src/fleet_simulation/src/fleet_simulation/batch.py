@@ -44,7 +44,7 @@ def run_all(sites: Sequence[StudiedSite], jobs: Sequence[Job], processes: int,
     """Returns the completed runs in the order of the jobs, and whether Ctrl-C ended the batch.
 
     processes -- largest number of runs at the same time
-    tell      -- is called after each run with the number of completed runs and of all runs
+    tell      -- called after each run, with the numbers of completed runs and of all runs
     """
     done: List[Done] = []
     pool = multiprocessing.Pool(min(processes, len(jobs)), _begin, (tuple(sites),))

@@ -162,7 +162,9 @@ def _whole(text: str) -> int:
 
 def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
           docks: FrozenSet[int] = frozenset()) -> StudiedSite:
-    """Returns the site of the files; with `graph` given, the same site with that graph and docks.
+    """Returns the site that the files describe.
+
+    graph, docks -- replace the graph file, and are added to the fleet's docks
     """
     if graph is None:
         graph = load_graph(options.graph)

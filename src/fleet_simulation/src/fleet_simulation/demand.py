@@ -1,4 +1,6 @@
-"""The demand of a site: flows of missions. A seed draws the missions before a run begins."""
+"""The demand of a site: flows of missions. Random numbers from a seed draw them before a run
+begins.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,7 +25,7 @@ class Shift:
 
 @dataclass(frozen=True)
 class Saturated:
-    """As many missions as the fleet can serve: at each time, `open` missions per robot are open."""
+    """As many missions as the fleet can serve: at any time, `open` missions per robot are open."""
 
     open: float = 1.0
 
@@ -34,7 +36,7 @@ class Flow:
 
     sources      -- vertices; each mission first visits one of them, drawn evenly; may be empty
     targets      -- vertices; each mission then visits one of them, drawn evenly
-    arrivals     -- shifts, in which missions come at random times (Poisson), or saturation
+    arrivals     -- shifts, during which missions come at random times (Poisson), or `Saturated`
     priority     -- of the missions; missions of a higher priority are served first
     stay         -- mean dwell at each destination, in s
     scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
@@ -68,9 +70,10 @@ class Flow:
 
 @dataclass(frozen=True)
 class WorkFlow:
-    """Missions of a template of the work file.
+    """Missions that are made from a template of the work file.
 
-    arguments -- by parameter of the template: values; each mission gets one of them, drawn evenly
+    arguments -- values for each parameter of the template; each mission gets one value, drawn
+                 evenly
     visits    -- for each stop, the vertices to which it may lead
     arrivals, priority, deadline -- as in `Flow`
     """
@@ -128,7 +131,7 @@ class Demand:
             yield from mission.destinations
 
     def pairs(self) -> Iterator[Tuple[int, int]]:
-        """Yields pairs of vertices that one mission visits one after the other."""
+        """Yields each pair of vertices that a mission may visit one after the other."""
         for flow in self.flows:
             for before, after in zip(flow.visits, flow.visits[1:]):
                 yield from ((one, other) for one, other in product(before, after) if one != other)
@@ -138,9 +141,8 @@ class Demand:
     def draw(self, seed: int, hours: float) -> List[Request]:
         """Returns the missions of shifts and recordings, sorted by time; their ids begin at 1.
 
-        Their times, deadlines included, are virtual s.
-
-        Missions of saturated flows are not included: they depend on the fleet.
+        Times and deadlines are in virtual s. Missions of saturated flows are not included, because
+        their number depends on the fleet.
         """
         random = Random(f'demand {seed}')
         drawn: List[Tuple[float, int, Union[AnyFlow, Recorded]]] = []
@@ -174,13 +176,13 @@ class RequestSource:
         self._ready = list(reversed(drawn))
         self._next_id = _FIRST_SATURATED
         self._saturating: Dict[int, int] = {}
-        """By mission id: the number of the saturated flow that requested it."""
+        """For each mission id: the number of the saturated flow that requested the mission."""
 
     def due(self, now: float, robots: int, step: float) -> Iterator[Request]:
         """Yields the requests that are due now.
 
         robots -- the size of the fleet
-        step   -- virtual s after which a request that is made now arrives
+        step   -- virtual s between a request and its arrival at the supervisor
         """
         while self._ready and self._ready[-1].stamp <= now:
             yield self._ready.pop()

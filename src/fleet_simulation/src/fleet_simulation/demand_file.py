@@ -12,9 +12,10 @@
     csv: day.csv
 
 `template`, `steps` and `devices` need a work file. A flow with `template` has missions of this
-template; `steps` says how long steps take, and `devices` how many s a device takes to open or to
-close. `csv` names a file beside the demand file. Its columns are `time` (s from the beginning) and
-`destinations` (vertex ids, separated by blanks); `priority` and `stay` (s) are optional.
+template. `steps` gives the durations of steps; `devices` gives the seconds that a device takes to
+open or to close. `csv` names a file beside the demand file. Its columns are `time` (s from the
+beginning) and `destinations` (vertex ids, separated by blanks); `priority` and `stay` (s) are
+optional.
 """
 from __future__ import annotations
 
@@ -54,8 +55,8 @@ Line = Tuple[str, int]
 class Wanted(NamedTuple):
     """The content of a demand file, and the lines that an error message names.
 
-    places -- by vertex: the file and line that first name it
-    pairs  -- by two vertices that a mission visits one after the other: their file and line
+    places -- for each vertex: the first file and line that name it
+    pairs  -- for each two vertices that a mission visits one after the other: the file and line
     work   -- the content of the work file
     times  -- how long steps and devices take
     """
@@ -70,7 +71,7 @@ class Wanted(NamedTuple):
 
 def load_demand(path: Union[str, os.PathLike], graph: Graph,
                 work: SiteWork = NO_WORK) -> Wanted:
-    """Reads a demand file and checks it with the graph and the work file; raises FileError."""
+    """Reads a demand file and checks it against the graph and the work file; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         fields = _known(root, 'the file', _FILE)

@@ -1,4 +1,4 @@
-"""A robot of a simulated site: the drive of `agv_sim`, with docking, battery and random delays."""
+"""A robot of a simulated site: an AGV of `agv_sim` with docking, a battery and random delays."""
 from __future__ import annotations
 
 import math
@@ -33,7 +33,7 @@ class RandomStops:
 class Delays:
     """The delays that make robots late.
 
-    slower -- the time for an edge is drawn between 1 and `slower` times the shortest possible one
+    slower -- the time for an edge is drawn between 1 and `slower` times its shortest driving time
     stall  -- stops that the robot itself causes
     people -- stops because a person is in the way
     """
@@ -73,8 +73,9 @@ AGV = Mechanics(DriveLimits())
 class DrivenRobot:
     """One robot with a drive, a battery and its own random number generator.
 
-    An event is that it passes a vertex, ends a turn, stands, or begins or ends a stop. Until the
-    next event its motion is known in closed form, so the world need not drive it before `due`.
+    An event is one of these: the robot passes a vertex, ends a turn, comes to rest, or begins or
+    ends a random stop. Until the next event its motion is known in closed form, so the world need
+    not drive it before `due`.
 
     vertex -- id of the vertex on which it begins
     charge -- of the battery at the beginning, 0..1
@@ -85,7 +86,7 @@ class DrivenRobot:
         self.graph, self.kind = graph, kind
         self._now = self._stands_until = 0.0
         self.due = self._event = 0.0
-        """Virtual time (s) until which its report does not change, except for its place."""
+        """Virtual time (s) until which the robot's report does not change, except for its place."""
         epochs = Random(f'epochs of {name}')
         self.vehicle = AgvVehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
                                   lambda: int(1000.0 * self._now), mechanics.limits(kind),
@@ -99,7 +100,7 @@ class DrivenRobot:
 
     @property
     def travelled(self) -> float:
-        """The m that it has driven so far."""
+        """The distance (m) driven so far."""
         return self.vehicle.drive.driven
 
     @property
@@ -135,11 +136,12 @@ class DrivenRobot:
 
     @property
     def _drives(self) -> bool:
-        """Whether the time to its next random stop becomes shorter now."""
+        """Whether time counts now as driving, so that the next random stop comes nearer."""
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes the time of its next event; the present time means that it is unknown."""
+        """Computes the time of the robot's next event; the present time means that it is unknown.
+        """
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)
@@ -147,7 +149,7 @@ class DrivenRobot:
         self.due = self._event - _TOGETHER
 
     def _pass(self, seconds: float) -> None:
-        """Advances it by a time that has no event before its end."""
+        """Advances the robot by `seconds`; an event may happen only at their end."""
         drives = self._drives
         self._now += seconds
         self.vehicle.advance(seconds, int(self._now * _NANO))
@@ -199,16 +201,18 @@ class DrivenRobot:
     def seconds_left(self, ahead: float) -> float:
         """Returns the seconds until only `ahead` m of its route are left.
 
-        Infinite: no more than that is left now, or the robot stops before.
+        Infinite: no more than `ahead` m are left now, or the robot stops earlier.
         """
         distance = self.vehicle.left - ahead
         return self._seconds_until(distance) if distance > 0.0 else math.inf
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
+        """Returns the seconds until the robot is `distance` m past the point at `fraction` of an
+        edge.
 
-        number -- of the edge in its route record
-        0: it is already there. Infinite: it stops before.
+        0: the robot is already there. Infinite: it stops earlier.
+
+        number -- number of the edge in the robot's route record
         """
         return self._seconds_until(self.vehicle.distance_to(number, fraction) + distance)
 

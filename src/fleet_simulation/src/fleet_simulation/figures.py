@@ -9,7 +9,7 @@ from fleet_simulation.hold_ups import ResourceUse
 
 
 class Use(Enum):
-    """What a robot does at one moment; the report has the time of the robots for each value."""
+    """What a robot does at one moment. The report shows how long the robots did each of these."""
 
     LOADED = 'driving with a mission'
     EMPTY = 'driving without a mission'
@@ -37,7 +37,7 @@ class TimetableUse:
     """The results of the missions of one timetable in one run. Times are virtual s.
 
     requested, succeeded -- missions
-    leads     -- of each mission: time from its request until it succeeds
+    leads     -- for each mission: time from its request until it succeeds
     deadlines, missed -- as in `Figures`
     """
 
@@ -58,22 +58,22 @@ class TimetableUse:
 
 @dataclass
 class Figures:
-    """The figures of one run. Times are virtual s, except `planning` and `spent`.
+    """The figures of one run, one field for each figure of the report.
 
-    The report is made from this record, which has a field for each figure of the report.
+    Times are virtual s, except `planning` and `spent`.
 
     seconds        -- measured time, after the warm-up
-    requested, succeeded -- missions that were requested in this time, and that succeeded in it
+    requested, succeeded -- missions that were requested, and that succeeded, in the measured time
     open_at_end    -- missions that are still open when the run ends
     failures       -- failed missions by reason
-    waits          -- of each mission: time from its request until a robot starts it
-    leads          -- of each mission: time from its request until it succeeds
+    waits          -- for each mission: time from its request until a robot starts it
+    leads          -- for each mission: time from its request until it succeeds
     use            -- robot seconds by activity
-    waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
-    resources      -- by name, how each station, device and charger was used
-    timetables     -- by name, the results of each timetable of the work file
+    waiting        -- robot seconds of waiting, by edge that a robot waits for and by cause
+    resources      -- use of each station, device and charger, by its name
+    timetables     -- results of each timetable of the work file, by its name
     deadlines      -- missions with a deadline that ended, or whose deadline passed
-    missed         -- those of `deadlines` whose mission was not done in time
+    missed         -- missions of `deadlines` that were not done in time
     docks          -- largest number of robots that charged at the same time
     parked         -- largest number of robots that were idle at the same time without charging
     travelled      -- m that all robots drove, warm-up included

@@ -18,7 +18,7 @@ class HoldUp(Enum):
 
 
 class WaitFor(NamedTuple):
-    """The resource for which a robot waits, by its name, and why."""
+    """The name of the resource for which a robot waits, and the reason."""
 
     resource: str
     why: HoldUp
@@ -28,7 +28,7 @@ def held_up(direct: Mapping[str, WaitFor], behind: Mapping[str, str]) -> Dict[st
     """Returns the resource for which each robot waits; robots that wait for none are left out.
 
     direct -- robots that wait for a resource themselves
-    behind -- by robot, the robot for which it waits; robots may wait for each other in a ring
+    behind -- for each robot, the robot for which it waits; robots may wait for each other in a ring
     """
     found = dict(direct)
     for name in behind:
@@ -57,7 +57,7 @@ class ResourceUse:
 
 @dataclass(frozen=True)
 class Bottleneck:
-    """A resource, and how long robots wait for it, in several runs of one fleet.
+    """A resource, and how long robots wait for it. The figures cover several runs of one fleet.
 
     occupied -- share (0..1) of its capacity that robots claim
     waiting  -- robot minutes per hour for which robots wait for it, by reason
@@ -74,9 +74,9 @@ class Bottleneck:
 
 
 def bottlenecks(runs: Mapping[str, ResourceUse], seconds: float) -> Iterator[Bottleneck]:
-    """Yields the resources by their waiting time, the longest first.
+    """Yields the resources, the longest waiting time first.
 
-    runs    -- by name, the sums over all runs
+    runs    -- the sums over all runs for each resource, by its name
     seconds -- length of all runs together
     """
     found = [Bottleneck(use.resource, use.claimed / (use.resource.capacity * seconds),

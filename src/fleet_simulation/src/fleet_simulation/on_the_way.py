@@ -25,7 +25,9 @@ class OnTheWay(Generic[Thing]):
         return any(at <= now for at, _ in self._things)
 
     def arrived(self, now: float) -> Iterator[Thing]:
-        """Yields the things that have arrived. Things sent meanwhile come with the next call."""
+        """Yields the things that have arrived. A thing that is sent meanwhile is yielded by a later
+        call.
+        """
         things, self._things = self._things, []
         for at, thing in things:
             if at <= now:

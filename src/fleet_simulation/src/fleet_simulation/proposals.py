@@ -1,7 +1,7 @@
 """Proposes changes of the graph at the edges for which robots wait longest.
 
-Each proposal is a separate graph, to be simulated. If all docks were in use at the same time, an
-additional dock is also proposed.
+Each proposal is a separate graph, which is then simulated. If all docks were in use at the same
+time, one proposal adds a dock.
 """
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _one_way(graph: Graph, id: int,
 
 
 def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
-    """Returns whether a path leads from `begin` to `end` without the changed edge."""
+    """Returns whether a path leads from `begin` to `end` without using the changed edge."""
     seen, ahead = {begin}, [begin]
     while ahead:
         vertex = ahead.pop()
@@ -138,7 +138,7 @@ def _passing_place(graph: Graph, id: int,
 
 
 def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
-    """Adds a spur with a dock, as near to an existing dock as there is room."""
+    """Adds a spur with a dock, at the nearest place to an existing dock that has room."""
     docks = [vertex.position for vertex in graph.vertices.values() if vertex.dock]
     for id in sorted(graph.edges, key=lambda id: min(
             math.dist(graph.vertices[graph.edges[id].origin].position, dock) for dock in docks)):
@@ -155,10 +155,11 @@ def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
 
 def _spurs(graph: Graph, id: int, room: float, label: str,
            dock: bool) -> Iterator[Tuple[Sequence[Vertex], Sequence[Edge], int]]:
-    """Yields vertices, edges and the new vertex of a graph with a spur at the start of an edge.
+    """Yields graphs with a spur at the start of an edge: the vertices, the edges, and the new
+    vertex.
 
-    The spur is a straight edge to a new vertex, on the left or the right of the edge. A side
-    without room yields nothing.
+    The spur is a straight edge to a new vertex, on the left or the right of the edge. For a side
+    without room, nothing is yielded.
     """
     edge = graph.edges[id]
     start, heading = graph.vertices[edge.origin], graph.curve(id).heading_at(0.0)

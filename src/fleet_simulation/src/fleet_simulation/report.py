@@ -65,7 +65,7 @@ th:first-child, td:first-child { text-align: left; }
 def write(study: Study, folder: Path) -> Path:
     """Writes all files into the folder; returns the path of the HTML file.
 
-    An older file is only replaced by a complete one.
+    A file replaces an older one only when it is complete.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in _tables(study).items():
@@ -78,8 +78,7 @@ def write(study: Study, folder: Path) -> Path:
 
 
 def is_free(folder: Path) -> bool:
-    """Returns whether reports may be written here: into a new or empty folder,
-    or over an old report.
+    """Returns whether a report may be written here: the folder is new, empty, or has an old report.
     """
     try:
         names = os.listdir(folder)
@@ -113,7 +112,7 @@ def html(study: Study) -> str:
 
 
 def _head(study: Study) -> str:
-    """Returns what was simulated: site, date, demand, fleet, runs."""
+    """Returns the table of what was simulated: site, date, demand, fleet, runs."""
     site, files = study.site, study.files
     places = np.array([vertex.position for vertex in site.graph.vertices.values()])
     width, tall = np.ptp(places, axis=0).tolist()
@@ -133,7 +132,8 @@ def _head(study: Study) -> str:
         ('Demand', f'{files.demand}: ' + '; '.join(_flows(site.demand, study.hours))),
         ('Fleet', f'{files.fleet}: ' + ', '.join(kind.name for kind in site.fleet.types)
          + f'; simulated with {_listed(sizes_run)} {"robot" if sizes_run == [1] else "robots"}'),
-        ('Runs', f'{several(seeds, "seed")} of {study.hours:g} h for each size of the fleet')]
+        ('Runs', f'{several(seeds, "run")} of {study.hours:g} h for each size of the fleet, each '
+                 'with its own seed')]
     return '<table class="head">' + ''.join(
         f'<tr><th>{name}</th><td>{escape(what)}</td></tr>' for name, what in rows) + '</table>'
 
@@ -199,7 +199,9 @@ def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -
 
 
 def _against(size: SizeResults, before: Optional[SizeResults]) -> str:
-    """Returns the change of throughput from the next smaller fleet, and whether it is decided."""
+    """Returns the change of throughput against the next smaller fleet, and whether it is
+    significant.
+    """
     if before is None:
         return ''
     more = gain(before, size)
@@ -365,7 +367,8 @@ Rows = List[Tuple[object, ...]]
 
 
 def _tables(study: Study) -> Dict[str, Rows]:
-    """Returns the rows of each CSV file by its name, the header first; times are in s."""
+    """Returns the rows of each CSV file, header first; the keys are the file names. Times are in s.
+    """
     graph = study.site.graph
     return {
         'runs.csv': [_RUN_COLUMNS, *map(_run_row, study.runs)],
@@ -383,7 +386,7 @@ def _tables(study: Study) -> Dict[str, Rows]:
 
 
 def _of_each(study: Study, rows: Callable[[Figures], Rows]) -> Rows:
-    """Returns the rows of all runs. Each begins with the size and the seed of its run."""
+    """Returns the rows of all runs. Each row begins with the fleet size and the seed of its run."""
     return [(run.robots, run.seed, *row) for run in study.runs for row in rows(run)]
 
 

@@ -1,11 +1,11 @@
-"""When simulated robots report: at each change, when their place matters, and seldom otherwise.
+"""Decides when a simulated robot reports: at changes, when its place matters, and else every few s.
 
-A real robot reports ten times a second, and few of these reports change anything. A simulated robot
+A real robot reports ten times a second, but few of these reports change anything. A simulated robot
 reports its place only when a decision of the supervisor can depend on this place:
 
-- when the rest of its route is as short as the supervisor grants ahead,
+- when the rest of its route is only as long as the supervisor grants ahead,
 - when it leaves a place for which another robot waits according to the plan. This time is computed.
-  While it cannot be computed, the robot reports every `WAITED` s.
+  As long as it cannot be computed, the robot reports every `WAITED` s.
 - when any robot ends its route or the status of a mission changes: the supervisor may then ask the
   planner, and the question contains the places of all robots.
 
@@ -21,7 +21,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
-_AGAIN = 0.2        # s, the same if the robot has left the place for which the other one waits
+_AGAIN = 0.2        # s, the same after the robot has left the place for which the other one waits
 _BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
@@ -42,7 +42,7 @@ class Rhythm(NamedTuple):
 
 
 class ReportingRobot(Protocol):
-    """A simulated robot, as far as the times of its reports depend on it."""
+    """The properties of a simulated robot on which the times of its reports depend."""
 
     graph: Graph
     kind: RobotType
@@ -58,14 +58,16 @@ class ReportingRobot(Protocol):
     def seconds_left(self, ahead: float) -> float:
         """Returns the seconds until only `ahead` m of its route are left.
 
-        Infinite: no more than that is left now, or this time is unknown.
+        Infinite: no more than `ahead` m are left now, or this time is unknown.
         """
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
+        """Returns the seconds until the robot is `distance` m past the point at `fraction` of an
+        edge.
 
-        number -- of the edge in its route record
-        0: it is already there. Infinite: it stops before, or this time is unknown.
+        0: the robot is already there. Infinite: it stops earlier, or this time is unknown.
+
+        number -- number of the edge in the robot's route record
         """
 
 
@@ -80,9 +82,11 @@ class ReportTimes:
         self._moved: Set[str] = set()
         """Robots that were driven, or got an order, since the supervisor's last event."""
         self._granted: Dict[str, float] = {}
-        """By robot: when the rest of its route is as short as the supervisor grants ahead."""
+        """For each robot: when the rest of its route is only as long as the supervisor grants
+        ahead.
+        """
         self._waited: Dict[str, float] = {}
-        """By robot for which another one waits: when its place matters."""
+        """For each robot for which another robot waits: when its place matters."""
         self._asked = -math.inf
         """The last time at which the places of all driving robots mattered."""
 
@@ -92,7 +96,7 @@ class ReportTimes:
         self._moved.add(name)
 
     def ask_all(self, now: float) -> None:
-        """Notes that the supervisor may ask the planner now, so that all places matter."""
+        """Notes that the supervisor may ask the planner now, so the places of all robots matter."""
         self._asked = now
 
     def is_due(self, name: str, robot: ReportingRobot, now: float) -> bool:
@@ -115,7 +119,7 @@ class ReportTimes:
 
     def follow(self, supervisor: Supervisor, robots: Mapping[str, ReportingRobot],
                now: float) -> None:
-        """Computes when places matter, after an event of the supervisor.
+        """Computes, after an event of the supervisor, when the robots' places will matter.
 
         Precondition: each robot has been driven at least to the last change of its motion.
         """
@@ -149,7 +153,8 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns, by robot, the robots that wait for it in the plan, or for a resource it claims."""
+    """Returns for each robot the robots that wait for it in the plan, or for a resource it claims.
+    """
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims
     for name, other in executor.waits_for.items():

@@ -17,7 +17,7 @@ from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.studied_fleet import MakeRobot, StudiedFleet
 from fleet_simulation.virtual_fleet import STEP
 
-WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
+WARM_UP = 600.0     # s at the start of a run that do not count; in a short run, a tenth of it
 _SAMPLE = 10        # steps between two samples of what the robots do
 _REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
 
@@ -28,9 +28,7 @@ def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures
 
 
 class Run:
-    """One run: observes a fleet in virtual time, and counts.
-
-    Its attributes are the parts of the world, and the counters that one event may change together.
+    """One run. It observes a fleet in virtual time, and adds up the figures.
 
     make -- makes the robots; see StudiedFleet
     """
@@ -47,14 +45,14 @@ class Run:
         self.figures.timetables = {name: TimetableUse() for name in site.work.timetables}
         self._givers = {giver_of(name): name for name in site.work.timetables}
         self._timetables: Dict[int, str] = {}
-        """By open mission, the timetable that requested it."""
+        """For each open mission of a timetable: the timetable's name."""
         self._warm_up = 0.0
         self._steps = 0
         self._requests = RequestSource(site.demand, [], self._random)
         self._requested: Dict[int, float] = {}
         self._begun: Set[int] = set()
         self._deadlines: Dict[int, float] = {}
-        """By open mission: its deadline in s since 1970."""
+        """For each open mission: its deadline in s since 1970."""
         self.world.watcher = self
 
     def run(self, hours: float) -> Figures:
@@ -97,7 +95,7 @@ class Run:
         self.world.do(self.world.supervisor.request(request, self.world.now))
 
     def _note_timetable(self, id: int) -> None:
-        """Notes a mission that the supervisor itself has requested, by a timetable."""
+        """Notes a mission that the supervisor has requested because of a timetable."""
         mission = self.world.supervisor.book.find(id)
         name = '' if mission is None else self._givers.get(mission.request.requested_by, '')
         if mission is None or not name:
@@ -110,7 +108,9 @@ class Run:
             self.figures.timetables[name].requested += 1
 
     def _count_deadline(self, id: int, deadline: float, is_done: bool) -> None:
-        """Counts the deadline of a mission that has ended, or of one that is open at the end."""
+        """Counts the deadline of a mission that has ended, or that is still open at the end of the
+        run.
+        """
         moment = self.world.wall + self.world.now
         if not is_done and moment <= deadline or self.world.now < self._warm_up:
             return
@@ -190,7 +190,7 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Counts the claims. Returns the resource for which each robot waits."""
+        """Adds to the time of the claims. Returns the resource for which each robot waits."""
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

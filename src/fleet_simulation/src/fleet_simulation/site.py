@@ -1,4 +1,4 @@
-"""The simulated site: graph, robot types and demand, and fleets of any size on it."""
+"""The simulated site: its graph, robot types and demand, and fleets of any size."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -41,8 +41,8 @@ class StudiedSite:
     """All inputs of a run, except the number of robots and the seed.
 
     settings -- of each robot in the fleet file, by its name
-    starts   -- ids of vertices on which robots of all types may stand for ever; if a fleet is
-                larger than that of the fleet file, its robots begin on them, evenly spread
+    starts   -- ids of vertices on which robots of all types may stand for ever; the robots of a
+                fleet that is larger than that of the fleet file begin on these, evenly spread
     parking  -- ids of the vertices on which the planner may park robots
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan
@@ -92,7 +92,8 @@ class StudiedSite:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """Returns settings by robot name. An added robot has those of the first one of its type."""
+        """Returns each robot's settings. An added robot has those of the first robot of its type.
+        """
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:
             by_type.setdefault(robot.type.name, self.settings[robot.name])
@@ -144,7 +145,8 @@ def _at_stations(work: SiteWork) -> Set[int]:
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
-    """Returns the fleet with more docks: each robot type that has docks also uses these."""
+    """Returns the fleet with more docks: each robot type that has docks may use the new ones, too.
+    """
     types = {kind.name: replace(kind, docks=kind.docks | docks) if kind.docks else kind
              for kind in fleet.types}
     return replace(fleet, types=tuple(types.values()), robots=tuple(
@@ -164,7 +166,9 @@ def _origins(network: RoadNetwork, fleet: Fleet, target: int) -> FrozenSet[int]:
 
 
 def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
-    """Returns the largest set of vertices, no docks, on which any robots may stand for ever."""
+    """Returns the largest set of vertices, without docks, on which robots of any type may stand for
+    ever.
+    """
     largest = max(fleet.types, key=lambda kind: kind.reach)
     kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
     found = WellFormedSets(network, kind, fleet.clearance).largest()

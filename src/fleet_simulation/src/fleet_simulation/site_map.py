@@ -1,4 +1,4 @@
-"""Draws the map of the report: walls, edges by how long robots wait for them, stations, devices."""
+"""Draws the map of the report: walls, stations, devices, and edges coloured by waiting time."""
 from __future__ import annotations
 
 import math
@@ -26,7 +26,7 @@ _LARGEST = 860.0, 620.0  # px
 _BORDER = 34             # px around the graph
 _AROUND = 3.0            # m around the graph in which walls are drawn
 _HEIGHT, _LETTER = 12.0, 7.4  # px of a text: its height, the width of a letter
-_AWAY = 6.0, 11.0, 18.0  # px between a text and its point, the best first
+_AWAY = 6.0, 11.0, 18.0  # px between a text and its point, the best distance first
 _DOT = 6.0               # px, side of the squares along edges that texts avoid
 _LEGEND = 26             # px
 _WALL, _DOCK, _VERTEX = '#9aa0a6', '#2266aa', '#555555'
@@ -54,17 +54,17 @@ class _Sheet:
         self.height = round(tall * self.scale) + 2 * _BORDER
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
-        """Returns (N,2) px of points (N,2) m."""
+        """Returns the points of the picture (N,2; px) for points of the graph (N,2; m)."""
         return _BORDER + np.column_stack((points[:, 0] - self._low[0],
                                           self._high[1] - points[:, 1])) * self.scale
 
     def pixel(self, x: float, y: float) -> Pixel:
-        """Returns the px of one point (m)."""
+        """Returns the point of the picture (px) for one point of the graph (m)."""
         across, down = self.pixels(np.array([(x, y)]))[0]
         return float(across), float(down)
 
     def shows(self, points: np.ndarray) -> np.ndarray:
-        """Returns for each of the points (N,2) m whether it is in the picture."""
+        """Returns for each of the points (N,2; m) whether it is in the picture."""
         shown: np.ndarray = ((points >= self._low) & (points <= self._high)).all(axis=1)
         return shown
 
@@ -73,7 +73,7 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int],
              work: SiteWork = NO_WORK, walls: Walls = NO_WALLS) -> str:
     """Returns a map of the site.
 
-    heat     -- by edge id: share (0..1) of all waiting; edges are drawn from grey to red
+    heat     -- for each edge id: share (0..1) of all waiting, drawn from grey (0) to red (highest)
     labelled -- drawn ids of the edges whose id is written on the map
     """
     lines = {id: _line(graph, id) for id in graph.edges}
@@ -94,7 +94,7 @@ def _line(graph: Graph, id: int) -> np.ndarray:
 
 
 def _walls(walls: Walls, sheet: _Sheet) -> Iterator[str]:
-    """Yields one path of strokes along the rows of occupied cells."""
+    """Yields one SVG path with strokes along the rows of occupied cells."""
     centres = walls.centres[sheet.shows(walls.centres)]
     if not len(centres):
         return
@@ -131,7 +131,8 @@ def _vertices(graph: Graph, sheet: _Sheet) -> Iterator[str]:
 
 
 def _stations(graph: Graph, sheet: _Sheet, work: SiteWork) -> Iterator[str]:
-    """Yields a square for each place of a station, and a small dashed one for each queue place."""
+    """Yields a square for each place of a station, and a small dashed square for each queue place.
+    """
     for station in work.stations.values():
         for ids, half, dashes, what in ((station.places, _PLACE, '', ''),
                                         (station.queue, _QUEUE, '2 2', 'queue of ')):
@@ -188,7 +189,7 @@ def _work_labels(graph: Graph, drawn: Mapping[int, np.ndarray], sheet: _Sheet,
 
 
 def _texts(labels: Sequence[_Label], lines: Sequence[np.ndarray]) -> Iterator[str]:
-    """Yields the texts, placed so that no text covers another text, and few cover a line."""
+    """Yields the texts, placed so that no text covers another text, and few texts cover a line."""
     places = Places(cell=40.0)
     for line in lines:
         for start, end in zip(line, line[1:]):

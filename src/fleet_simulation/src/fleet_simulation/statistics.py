@@ -26,7 +26,7 @@ class Band(NamedTuple):
         return f'{self.mean:.0f}' + (f' ± {self.half:.0f}' if self.half < math.inf else '')
 
     def side(self, of: float = 0.0) -> Side:
-        """Returns on which side of a value the whole band lies."""
+        """Returns on which side of the value `of` the whole band lies."""
         if self.mean - self.half > of:
             return Side.ABOVE
         return Side.BELOW if self.mean + self.half < of else Side.UNDECIDED
@@ -63,7 +63,7 @@ class SizeResults(NamedTuple):
     waits: List[float]
     leads: List[float]
     use: Dict[Use, float]
-    """By activity: share (0..1) of the robots' time."""
+    """For each activity: share (0..1) of the robots' time."""
 
 
 def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
@@ -85,7 +85,9 @@ def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
 
 
 def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
-    """Returns the smallest fleet to which a further robot adds less than 5 %, or the largest."""
+    """Returns the smallest fleet to which a further robot adds less than 5 %; without one, the
+    largest.
+    """
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
         gain = (following.per_hour.mean - size.per_hour.mean) / max(size.per_hour.mean, 1e-9)
@@ -95,33 +97,36 @@ def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
 
 
 def served_share(size: SizeResults) -> Band:
-    """Returns the share (0..1) of the requested missions that succeeded, over the seeds."""
+    """Returns the share (0..1) of the requested missions that succeeded, as a mean over the seeds.
+    """
     return band([min(run.succeeded / run.requested, 1.0) if run.requested else 1.0
                  for run in size.runs])
 
 
 def gain(size: SizeResults, larger: SizeResults) -> Band:
-    """Returns the relative gain of throughput of the larger fleet, compared seed by seed."""
+    """Returns the relative gain in throughput with the larger fleet, compared seed by seed."""
     before = {run.seed: run.per_hour for run in size.runs}
     return band([(run.per_hour - before[run.seed]) / max(size.per_hour.mean, 1e-9)
                  for run in larger.runs if run.seed in before])
 
 
 def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
-    """Returns the share (0..1) of all waiting by edge, the highest first."""
+    """Returns for each edge its share (0..1) of all waiting, the highest share first."""
     return _shares((edge, seconds) for run in size.runs
                    for (edge, _), seconds in run.waiting.items())
 
 
 def waiting_by_drawn_edge(size: SizeResults, graph: Graph) -> Dict[int, float]:
-    """Returns the share (0..1) of all waiting by drawn edge, the sum over its sections."""
+    """Returns for each drawn edge its share (0..1) of all waiting, with the waiting at all its
+    sections.
+    """
     return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 
 
 def waiting_by_cause(size: SizeResults,
                      edges: Optional[Container[int]] = None) -> Dict[WaitingCause, float]:
-    """Returns the share (0..1) of all waiting by cause, the highest first.
+    """Returns for each cause its share (0..1) of all waiting, the highest share first.
 
     edges -- ids of the edges whose waiting counts; None: of all edges
     """

@@ -32,15 +32,17 @@ class Duration:
 class WorkTimes:
     """The durations of steps and devices that a demand file gives.
 
-    steps   -- by type of the step, and by the station or vertex where it is done; '': everywhere
-    devices -- by name, s to open or to close
+    steps   -- for each type of step and each station or vertex where it is done ('': everywhere)
+    devices -- s that each device takes to open or to close, by its name
     """
 
     steps: Mapping[Tuple[str, str], Duration] = field(default_factory=dict)
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration for the vertex, or the station, or everywhere; None: not given."""
+        """Returns the duration given for the vertex, else for the station, else for everywhere;
+        None: none.
+        """
         for at in (str(vertex), station, ''):
             if (type, at) in self.steps:
                 return self.steps[type, at]

@@ -12,14 +12,14 @@ from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_actors import VirtualActors
 from fleet_simulation.virtual_fleet import VirtualFleet
 
-MONDAY = datetime(2024, 1, 1)  # no daylight saving change in the days after it
+MONDAY = datetime(2024, 1, 1)  # a Monday; daylight saving time does not begin or end soon after
 RHYTHM = Rhythm(driving=2.0, standing=2.0, supervisor=0.5, room=1.0)
 _BATTERY = 100      # steps between two battery reports
-_CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
+_CHECK_EVERY = 100  # events of the supervisor from one check of the allocations to the next
 
 
 MakeRobot = Callable[[str, RobotType, int, Random], DrivenRobot]
-"""Makes a robot with this name and type on a vertex; the last argument draws what is random."""
+"""Makes a robot with a name and a type on a vertex; the last argument draws its random values."""
 
 
 class StudiedFleet:

@@ -40,7 +40,7 @@ class Study(NamedTuple):
     hours       -- virtual hours of each run
     command     -- the command line that requested the study
     ended_early -- whether Ctrl-C ended the study before all runs were completed
-    proposals   -- simulated changes of the graph, the best first
+    proposals   -- simulated changes of the graph, the highest gain first
     """
 
     site: StudiedSite

@@ -13,7 +13,9 @@ _LINE_COLOURS = tuple(COLOURS[number] for number in (0, 4, 2, 3))
 
 
 class Line(NamedTuple):
-    """A line of a chart: points (x, y), and half the height of the band around each point."""
+    """A line of a chart: its points (x, y), and half the height of the confidence band at each
+    point.
+    """
 
     name: str
     points: Sequence[Tuple[float, float]]
@@ -32,7 +34,7 @@ def ticks(highest: float, count: int = 5) -> List[float]:
 
 
 def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -> str:
-    """Returns a line chart over whole numbers.
+    """Returns a line chart; the values of x are whole numbers.
 
     across, up -- labels of the axes
     mark       -- x of a dashed vertical line; NaN: no such line
@@ -57,7 +59,7 @@ def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -
 
 
 class _Axes(NamedTuple):
-    """Where the points of a line chart lie in the picture."""
+    """The transformation from points of a line chart to points of the picture (px)."""
 
     low: float
     high: float
@@ -91,7 +93,8 @@ def _drawn_line(line: Line, colour: str, axes: _Axes) -> List[str]:
 
 def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across: str,
            up: str) -> str:
-    """Returns a chart with one column per key of `columns`, a stack of shares (0..1).
+    """Returns a chart with one column for each key of `columns`; a column is a stack of shares
+    (0..1).
 
     names      -- legend, one name per share
     across, up -- labels of the axes
@@ -114,7 +117,7 @@ def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across:
 
 
 def _above_legend(parts: List[str], names: Sequence[str], colours: Sequence[str]) -> str:
-    """Returns a chart with its legend below it, where it hides no line."""
+    """Returns a chart. Its legend is below the chart, so that it hides no line."""
     for number, (name, colour) in enumerate(zip(names, colours)):
         x = _LEFT + _LEGEND_COLUMN * (number % 2)
         y = HEIGHT + 6 + _LEGEND_ROW * (number // 2)

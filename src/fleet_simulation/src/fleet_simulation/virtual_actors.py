@@ -1,4 +1,4 @@
-"""The actors of steps in virtual time: the robots, and the persons and programs outside."""
+"""The actors that carry out steps in virtual time: robots, persons, and programs outside."""
 from __future__ import annotations
 
 from functools import partial
@@ -27,7 +27,7 @@ class _Answer(NamedTuple):
 
 
 class VirtualActors:
-    """Carries out all steps of a virtual fleet, each in a time drawn for its mission and place.
+    """Carries out all steps of a virtual fleet. The duration of each step is drawn.
 
     Robots carry out their own steps. Persons and programs outside answer that a step is done.
     """
@@ -44,7 +44,7 @@ class VirtualActors:
             device.seconds = times.of_device(name)
 
     def stepped(self) -> None:
-        """Answers, after one time step, the steps of persons and programs that are done now."""
+        """Answers, after one time step, for the persons and programs whose steps are done now."""
         now, running = self._world.now, set()
         due: List[_Answer] = []
         for mission, work, place, key in list(self._outside()):
@@ -80,7 +80,7 @@ class VirtualActors:
         return asked if place is None else self._seconds(mission, work, place, asked)
 
     def _seconds(self, mission: Mission, work: Work, place: StepPlace, usual: float) -> float:
-        """Draws the duration of a step, which is the same in each run with the same seed."""
+        """Draws the duration of a step. Each run with the same seed draws the same one."""
         vertex = work.stops[place.stop].place
         time = self._times.of_step(work.step(place).type, self._stations.get(vertex, ''), vertex)
         if time is None:

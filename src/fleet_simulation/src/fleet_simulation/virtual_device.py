@@ -12,13 +12,13 @@ class VirtualDevice:
     """A device that opens while its newest request is OPEN, and closes otherwise.
 
     name    -- the name of the device and of its resource
-    seconds -- s that it takes to open or to close
+    seconds -- s that the device takes to open or to close
     """
 
     def __init__(self, name: str, seconds: float = 2.0) -> None:
         self.name, self.seconds = name, seconds
         self.request: Optional[DeviceRequest] = None
-        """The newest request that it has received."""
+        """The newest request that the device has received."""
         self.is_silent = False
         self._obeyed: Tuple[DeviceUse, ...] = ()
         self._open = 0.0  # share (0..1) of the way to open
@@ -44,8 +44,8 @@ class VirtualDevice:
         self._open = min(max(self._open + step, 0.0), 1.0)
 
     def restart(self) -> None:
-        """Restarts the device. It forgets which request it obeyed, and keeps moving as requested
-        until the next request.
+        """Restarts the device. It forgets the number of the request that it obeyed, but keeps
+        moving as requested until the next request.
         """
         self._obeyed = ()
 

@@ -1,4 +1,4 @@
-"""The disk of a virtual supervisor: it keeps the journal over restarts, and may be full."""
+"""The disk of a virtual supervisor. It keeps the journal across restarts, and may be full."""
 from __future__ import annotations
 
 import os
@@ -24,12 +24,13 @@ class _CountingJournal(Journal):
 
 
 class VirtualDisk:
-    """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
+    """Holds the journal of the present supervisor, in a folder that is deleted with the virtual
+    world.
 
     clock    -- returns the right time, s since 1970
     hang     -- lets this number of seconds pass, for a write that takes long
     set_back -- s by which the clock of the supervisor's computer is behind
-    seconds  -- s that the next write takes; those after it take no time
+    seconds  -- s that the next write takes; later writes take no time
     """
 
     def __init__(self, clock: Callable[[], float], hang: Callable[[float], None]) -> None:
@@ -47,7 +48,9 @@ class VirtualDisk:
         return self._commits_before + self.journal.commits
 
     def fails(self, fails: bool = True) -> None:
-        """Makes the journal read-only, as on a full disk; with `fails` False, writable again."""
+        """Makes the journal read-only, as on a full disk. With `fails` False, makes it writable
+        again.
+        """
         self.is_full = fails
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
@@ -97,5 +100,5 @@ class VirtualDisk:
     def _open(self) -> _CountingJournal:
         journal = _CountingJournal(self.journal_path, lambda: self._clock() - self.set_back,
                                    self._wait)
-        journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
+        journal._db.execute('PRAGMA synchronous=OFF')  # no test simulates a power cut
         return journal

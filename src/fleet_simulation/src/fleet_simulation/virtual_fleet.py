@@ -1,8 +1,8 @@
 """The virtual world: a supervisor, the real planner and simulated robots in one process.
 
-This module delivers all messages; they may come late, twice, or not at all. Time is virtual: the
-planner answers after a given latency, and its work is limited by a number of rounds. Therefore a
-run depends only on its seed, not on the speed of the computer.
+This module delivers all messages, which may come late, twice, or not at all. Time is virtual: the
+planner answers after a given latency, and a number of rounds limits its work. Therefore a run
+depends only on its seed, not on the speed of the computer.
 """
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class VirtualRobot(ReportingRobot, Protocol):
     """The interface of a simulated robot to the world."""
 
     due: float
-    """Virtual time (s) until which its report does not change by itself, except for its place."""
+    """Virtual time (s) until which the report changes only in its place, unless an order comes."""
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -106,20 +106,22 @@ class VirtualRobot(ReportingRobot, Protocol):
 
 
 class LinkedRobot(Protocol):
-    """The receiver of orders for a robot: the robot, or its computer that lost the link to it."""
+    """The receiver of orders for a robot: the robot itself, or its computer while their link is
+    lost.
+    """
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives an order; returns a refusal if it is refused at once."""
 
     def report(self, now: float) -> RouteReport:
-        """Returns the report on the robot, with the stamp `now`."""
+        """Returns the report about the robot, with the stamp `now`."""
 
 
 class Crash(NamedTuple):
     """A crash of the supervisor.
 
     commit  -- number of the write to the journal at which it crashes
-    actions -- number of the actions after this write that are still performed
+    actions -- number of actions that are still performed after this write
     """
 
     commit: int
@@ -127,7 +129,7 @@ class Crash(NamedTuple):
 
 
 class Spent(NamedTuple):
-    """Seconds of processor time, by the part that used them."""
+    """The processor time (s) that each part of the program used."""
 
     world: float
     supervisor: float
@@ -141,10 +143,10 @@ _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the sam
 class VirtualFleet(Generic[Body]):
     """A fleet on a graph, with its supervisor and planner.
 
-    It has all parts of the world (network, planner, disk, robots and their clocks) and records what
-    happens. So a test can read and disturb everything at one place.
+    The fleet has all parts of the virtual world (network, planner, disk, robots and their clocks),
+    and records what happens. So a test can read and disturb everything at one place.
 
-    robots   -- by name: type, and id of the vertex on which the robot begins
+    robots   -- for each robot's name: its type, and the id of the vertex on which it begins
     make     -- creates a robot from its name, type and vertex
     loss     -- probability (0..1) that a message is lost
     repeats  -- probability (0..1) that a message that is not lost comes twice
@@ -152,9 +154,9 @@ class VirtualFleet(Generic[Body]):
     settings -- of all robots, or of each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
-    check_every -- number of events from one check against the model of allocations to the next
-    resources -- zones and other resources that `work` does not name; the devices among them are
-                simulated
+    check_every -- number of events from one check of the allocations to the next
+    resources -- zones and other resources that `work` does not name; devices among these are
+                 simulated
     work     -- the content of the work file; None: there is no work file
     wall     -- s since 1970 at the beginning, by the computer's clock
     """
@@ -187,13 +189,13 @@ class VirtualFleet(Generic[Body]):
         self.wall = wall
         self.disk = VirtualDisk(lambda: self.wall + self.now, self._hang)
         self.clocks: Dict[str, float] = {}
-        """By robot: s by which its clock is ahead."""
+        """For each robot: s by which its clock is ahead."""
         self.ages: Dict[str, float] = {}
-        """By robot: age of its last report on arrival, in s; negative if its clock is ahead."""
+        """For each robot: age (s) of its last report on arrival; negative if its clock is ahead."""
         self.lost: Dict[str, LinkedRobot] = {}
-        """By robot: its computer, if the computer has lost the link to the robot."""
+        """For each robot whose computer has lost the link to it: the computer."""
         self.loads: Dict[str, float] = {}
-        """By robot that carries a load: radius (m) of the disc around robot and load."""
+        """For each robot that carries a load: radius (m) of the disc around robot and load."""
         self.closed: Tuple[int, ...] = ()
         self.crash: Optional[Crash] = None
         """The next crash of the supervisor."""
@@ -204,23 +206,23 @@ class VirtualFleet(Generic[Body]):
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
         self.steps: Dict[str, SimulatedSteps] = {}
-        """By robot: the steps that it carries out. A robot that is not in it carries out none."""
+        """For each robot that carries out steps: its steps."""
         self.step_devices: Dict[str, SimulatedSteps] = {
             name: SimulatedSteps(lambda: round(1000.0 * (self.wall + self.now)))
             for name in (work or SiteWork()).step_devices}
-        """By device: the steps that it carries out."""
+        """For each device: the steps that it carries out."""
         self.resources = resources
         self.devices: Dict[str, VirtualDevice] = {
             one.name: VirtualDevice(one.name)
             for one in (*resources_of(work or SiteWork()), *resources) if one.has_device}
         self._steps_told: Dict[str, Tuple[float, object]] = {}
         self.refused = dict.fromkeys(robots, 0)
-        """By robot: number of orders that it refused."""
+        """For each robot: the number of orders that it refused."""
         self.nearest = math.inf
-        """Smallest free space (m) between two robots so far, minus the clearance."""
+        """The smallest free space (m) between any two robots so far, minus the clearance."""
         self._supervising = self._stepping = 0.0
         self._driven = dict.fromkeys(robots, 0.0)
-        """By robot: virtual time until which it has been driven."""
+        """For each robot: the virtual time up to which its motion has been simulated."""
         self._reports = ReportTimes(self.rhythm)
         self._ticks_at = self._looks_at = 0.0
         self._switches, self._check_every = switches, check_every
@@ -231,7 +233,7 @@ class VirtualFleet(Generic[Body]):
         return f'<a fleet: {self._described}>'
 
     def _begin(self) -> None:
-        # No time limit for switching: the speed of the computer must not change the results.
+        # Switching has no time limit, because the computer's speed must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
                                      self.now, switching=switching,
@@ -247,10 +249,10 @@ class VirtualFleet(Generic[Body]):
     def restart(self, graph: Optional[Graph] = None) -> None:
         """Kills the supervisor, loses all messages to and from it, and starts it again.
 
-        Delayed orders that are already under way still reach the robots. The disk can be written
-        again, because no supervisor starts with a full disk.
+        Delayed orders that are already on their way still reach the robots. A full disk becomes
+        writable again, because no supervisor starts with a full disk.
 
-        graph -- a graph that replaces the old one from now on; the robots keep the old graph
+        graph -- the graph that the supervisor uses from now on; the robots keep the old graph
         """
         if graph is not None:
             self.graph = graph
@@ -299,12 +301,12 @@ class VirtualFleet(Generic[Body]):
             self._supervising + self.planner.spent - before)
 
     def drive_all(self) -> None:
-        """Drives all robots until now, because all places matter."""
+        """Simulates the motion of all robots up to now, because the places of all robots matter."""
         for name in self.agvs:
             self._drive(name, self.now)
 
     def _drive(self, name: str, until: float) -> None:
-        """Drives a robot until this time, unless it has already been driven so far."""
+        """Simulates a robot's motion up to this time, unless that has been done already."""
         seconds = until - self._driven[name]
         if seconds < _TOGETHER:
             return
@@ -323,14 +325,14 @@ class VirtualFleet(Generic[Body]):
         return Spent(self._stepping, self._supervising, self.planner.spent)
 
     def _hang(self, seconds: float) -> None:
-        """Lets the supervisor hang for so long in an event, while the world goes on."""
+        """Lets the supervisor hang in an event for `seconds`, while the world goes on."""
         end, self.hangs = self.now + seconds, True
         while self.now < end - _TOGETHER:
             self.step()
         self.hangs = False
 
     def _supervise(self) -> None:
-        """Gives the supervisor all messages that have arrived by now, then its tick.
+        """Gives the supervisor all messages that have arrived by now, and then calls its tick.
 
         Does nothing if no message has arrived and the next tick is not due.
         """
@@ -366,7 +368,7 @@ class VirtualFleet(Generic[Body]):
                     self.do(self.supervisor.device_steps(name, steps.report(), self.now))
 
     def _must_report(self, subject: str, steps: SimulatedSteps) -> bool:
-        """Returns whether a report is due. If it is due, notes that it is made now."""
+        """Returns whether a report is due. If so, notes that the report is made now."""
         at, news = self._steps_told.get(subject, (-math.inf, None))
         if news == steps.news and self.now < at + 1.0 - _TOGETHER:
             return False
@@ -384,7 +386,9 @@ class VirtualFleet(Generic[Body]):
         self.refused[name] += 1
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Performs the supervisor's actions; only the first ones if it is to crash now."""
+        """Performs the supervisor's actions. If the supervisor is to crash now, performs only the
+        first ones.
+        """
         crash = self.crash
         if crash is not None and self.disk.commits >= crash.commit:
             self.crash = None
@@ -474,5 +478,7 @@ class StrictConformance(Conformance):
 
 
 def route_order(order: Order, speed: float = 0.0) -> RouteOrder:
-    """Returns the supervisor's order as the robot receives it, with the speed of its load."""
+    """Returns the supervisor's order as the robot receives it; `speed`: the speed limit of its
+    load.
+    """
     return order.sent_by(ME, speed=speed)

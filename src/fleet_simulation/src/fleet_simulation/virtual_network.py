@@ -10,7 +10,8 @@ from route_protocol.values import RouteReport
 
 
 class VirtualNetwork:
-    """Orders on their way to robots, reports on their way to the supervisor, and their faults.
+    """The orders on their way to robots, the reports on their way to the supervisor, and faults of
+    both.
 
     loss    -- probability (0..1) that a message is lost
     repeats -- probability (0..1) that a message that is not lost comes twice
@@ -19,13 +20,13 @@ class VirtualNetwork:
     def __init__(self, random: Random, loss: float, repeats: float) -> None:
         self.loss, self.repeats = loss, repeats
         self.silent: Dict[str, float] = {}
-        """By robot: time until which no report comes from it and no order reaches it."""
+        """For each robot: time until which no report comes from it and no order reaches it."""
         self.deaf: Dict[str, float] = {}
-        """By robot: time until which no order reaches it. It still reports."""
+        """For each robot: time until which no order reaches it, although it still reports."""
         self.late: Dict[str, float] = {}
-        """By robot: s by which its reports and refusals are delayed."""
+        """For each robot: s by which its reports and refusals are delayed."""
         self.orders_late: Dict[str, float] = {}
-        """By robot: s by which orders to it are delayed. No order overtakes another."""
+        """For each robot: s by which orders to it are delayed. No order overtakes another one."""
         self.to_robots: List[SendRoute] = []
         """Orders that leave the supervisor's computer in the next step."""
         self._random = random
@@ -39,7 +40,9 @@ class VirtualNetwork:
                 if order.robot == name]
 
     def lose_messages(self) -> None:
-        """Loses all messages on the supervisor's computer. Orders that left it still arrive."""
+        """Loses all messages on the supervisor's computer. Orders that have left the computer still
+        arrive.
+        """
         self.to_robots = []
         self.reports.lose()
 
@@ -71,7 +74,7 @@ class VirtualNetwork:
         self.loss = 0.0
 
     def carry_report(self, name: str, report: RouteReport, now: float) -> None:
-        """Sends a robot's report on its way to the supervisor."""
+        """Sends a robot's report to the supervisor; it may be delayed, lost or repeated."""
         for _ in range(self.copies()):
             self.reports.send((name, report), now + self.late.get(name, 0.0))
 

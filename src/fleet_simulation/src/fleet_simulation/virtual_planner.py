@@ -1,4 +1,4 @@
-"""The planner of a virtual fleet: the real one, which answers after a given virtual time."""
+"""The planner of a virtual fleet: the real planner, which answers after a given virtual time."""
 from __future__ import annotations
 
 import time
@@ -11,20 +11,21 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_simulation.on_the_way import OnTheWay
 
-_PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving times is kept
+_PLANNERS_KEPT = 4  # planners to keep; each has its set of closed edges and learned driving times
 
 
 class VirtualPlanner:
-    """Answers the supervisor's questions. Its work is limited by rounds, not by computing time.
+    """Answers the supervisor's questions. A number of rounds limits its work, not the computing
+    time.
 
-    latency -- virtual s until it answers
+    latency -- virtual s until the planner answers
     parking -- ids of the vertices on which robots may be parked; None: all vertices
     """
 
     def __init__(self, fleet: Fleet, latency: float, parking: Optional[Sequence[int]]) -> None:
         self.latency = latency
         self.rounds = 0
-        """Rounds in which it improves each plan."""
+        """Number of rounds in which the planner improves each plan."""
         self.plans: List[float] = []
         """s of processor time that each plan took."""
         self.spent = 0.0

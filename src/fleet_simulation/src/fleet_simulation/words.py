@@ -24,7 +24,7 @@ from fleet_simulation.study import Study
 
 _WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
           'eleven', 'twelve')
-_FEW_MINUTES = 0.6  # minutes of waiting per hour and robot that are not worth a sentence (1 %)
+_FEW_MINUTES = 0.6  # minutes of waiting per hour and robot (1 %); less is not worth a sentence
 
 
 def in_words(study: Study) -> str:
@@ -64,7 +64,7 @@ def _demand_in_words(study: Study, best: SizeResults) -> str:
 
 
 def _more_robots_in_words(found: Sequence[SizeResults], best: SizeResults) -> str:
-    """Returns what the next larger simulated fleet adds to the best one."""
+    """Returns a sentence about the gain of the next larger simulated fleet over the best fleet."""
     larger = next((size for size in found if size.robots > best.robots), None)
     if larger is None:
         return ('This is the largest simulated fleet: a larger one may serve more.'
@@ -133,7 +133,7 @@ def _deadlines_in_words(best: SizeResults) -> str:
 
 
 def deadlines_of(size: SizeResults) -> Tuple[int, int]:
-    """Returns the number of deadlines, and of those that were missed."""
+    """Returns the number of deadlines, and the number of missed deadlines."""
     return sum(run.deadlines for run in size.runs), sum(run.missed for run in size.runs)
 
 

@@ -1,7 +1,7 @@
 """Reads the parts `steps` and `devices` of a demand file: how long steps and devices take.
 
-A step that takes longer than its timeout would ask a person, but the simulation has no persons who
-answer. So a duration above the timeout is an error.
+If a step takes longer than its timeout, a person must decide, but in the simulation no person
+answers. So a duration above the timeout is an error.
 """
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ Steps = Dict[Tuple[str, str], Duration]
 
 
 def number_to(most: float) -> Callable[[Field], float]:
-    """Returns a reader of numbers from 0 to `most`; it raises WrongYaml for any other."""
+    """Returns a reader of numbers from 0 to `most`. The reader raises WrongYaml for any other
+    value.
+    """
     def read(one: Field) -> float:
         value = strict_yaml.real(one)
         if not (math.isfinite(value) and 0.0 <= value <= most):

@@ -189,7 +189,9 @@ class ObedientAgv(RuleBasedStateMachine):
         return self.next_id
 
     def _walk(self, edges: Tuple[int, ...], length: int) -> Tuple[int, ...]:
-        """A connected walk that begins with these edges, or, without edges, at the AGV's place."""
+        """A connected walk. It begins with these edges; if there are none, it begins at the AGV's
+        place.
+        """
         drive = self.vehicle.drive
         if edges:
             at = self.graph.end_vertex(edges[-1]).id

@@ -1,4 +1,6 @@
-"""The motion of a simulated AGV in closed form, and a robot that is driven only when it is due."""
+"""The motion of a simulated AGV in closed form, and a robot whose motion is simulated only when
+due.
+"""
 from __future__ import annotations
 
 import math

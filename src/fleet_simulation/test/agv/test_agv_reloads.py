@@ -22,7 +22,7 @@ def with_speed(edge: int, speed: float) -> Graph:
 def without(edge: int) -> Graph:
     """The graph without an edge, and without vertices that no other edge reaches.
 
-    Without edge 2 it also lacks edge 3, which would be a separate part.
+    Without edge 2, edge 3 would be a separate part, so it is also left out.
     """
     kept = [one for one in GRAPH.edges.values() if one.id not in {edge, 3 if edge == 2 else edge}]
     used = {vertex for one in kept for vertex in (one.origin, one.destination)}

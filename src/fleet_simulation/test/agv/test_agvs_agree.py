@@ -24,14 +24,14 @@ from route_protocol.values import (
 )
 from world.plain_agv import Agv
 
-MIDDLE = 2.0    # m, of each edge; there the AGV of `agv_sim` drives at full speed
-BRAKING = 1.0   # m, its braking distance there
+MIDDLE = 2.0    # m from an edge's start to its middle; there the AGV of `agv_sim` has full speed
+BRAKING = 1.0   # m, the braking distance of the AGV of `agv_sim` there
 FAULT = Reason(ReasonCode.OTHER, 'a broken belt')
 EVENTS = 30
 
 
 class Sent(NamedTuple):
-    """An order, and the number of the event after which the epoch in the order was in force."""
+    """An order, and the number of the event that began the epoch that the order names."""
 
     order: RouteOrder
     epoch: int
@@ -106,7 +106,7 @@ class Pair:
         self.other.fail(TAKEN_OVER)
 
     def restart(self) -> None:
-        """Switches both off and on again, without memory."""
+        """Switches both AGVs off and on again, without memory."""
         self.settle()
         self._advance(TICK)
         self.one.leave()
@@ -120,7 +120,9 @@ class Pair:
         self.other.braking = 0.0
 
     def to_middle(self) -> None:
-        """Drives to the middle of this edge or the next one, or to the end of the route."""
+        """Lets both AGVs drive to the middle of this edge or the next one, or to the end of the
+        route.
+        """
         state = self.one.state
         if not state.is_running:
             return
@@ -133,7 +135,7 @@ class Pair:
         self.other.braking = BRAKING
 
     def settle(self) -> None:
-        """Waits until both stand."""
+        """Waits until both AGVs stand."""
         self._until(lambda: self.one.motion is Motion.STANDING,
                     lambda: self.other.motion is Motion.STANDING)
         self.other.braking = 0.0
@@ -141,7 +143,7 @@ class Pair:
     # -- what they say ----------------------------------------------------------------------------
 
     def difference(self) -> Optional[str]:
-        """Returns how the newest reports differ, or what else is wrong with them."""
+        """Returns how the newest reports of the AGVs differ, or another error in these reports."""
         one, other = self.one.report(), self.other.told(0)
         self.epochs.append((one.epoch, other.epoch))
         pairs, ones, others = set(self.epochs), *map(set, zip(*self.epochs))
@@ -193,7 +195,7 @@ class Pair:
         self.other.drive(seconds)
 
     def _until(self, one: Callable[[], bool], other: Callable[[], bool]) -> None:
-        """Lets each drive until its condition holds."""
+        """Lets each AGV drive until its condition holds."""
         for _ in range(2000):
             done = one(), other()
             if all(done):
@@ -236,7 +238,7 @@ class RepeatsNumbers(Agv):
 
 
 class ObeysOlderOrders(Agv):
-    """An AGV that takes an order although it took a newer one before."""
+    """An AGV that takes an order although it has already taken a newer one."""
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         if order.order and order.order < self.knows['taken']:
@@ -245,7 +247,7 @@ class ObeysOlderOrders(Agv):
 
 
 class ForgetsRefusals(Agv):
-    """An AGV that takes an order although it refused a newer one before."""
+    """An AGV that takes an order although it has already refused a newer one."""
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         if order.order:

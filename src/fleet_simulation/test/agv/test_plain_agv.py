@@ -1,4 +1,5 @@
-"""The reports of the plain AGV of the virtual world, and of its computer without a link."""
+"""The reports of the plain AGV of the virtual world, and of its computer while their link is lost.
+"""
 from __future__ import annotations
 
 from typing import Optional, Tuple

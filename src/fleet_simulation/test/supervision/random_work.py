@@ -1,33 +1,33 @@
-"""A random test of the work of a fleet: events in any sequence, and the invariants after each.
+"""A random test of the work of a fleet, which checks the invariants after each event.
 
 The fleet manager is the real supervisor with its journal. Three robots work at a press with a
 queue, at a group of shelves, and with a machine; a door and a zone are on their paths. The world
-records the truth, which the fleet manager does not know: which step is being carried out, how often
-each step was done, what each robot carries, and where it is.
+records the truth, which the fleet manager does not know: which steps are being carried out, how
+often each step was done, and for each robot its load and its place.
 
 A *step* of the test is one event of the fleet manager: a message, a command of a person, a tick, or
-a start. Events have weights, so that work goes on more often than it is disturbed. Some
-disturbances wait for a rare moment, and then come together (`RandomWork.combine`). Messages are
-lost, repeated and reordered; messages to robots and devices may also be delayed.
+a start. Events have weights: events with which work goes on are more frequent than disturbances.
+Some disturbances wait for a rare moment, and then come together (`RandomWork.combine`). Messages
+are lost, repeated and reordered; messages to robots and devices may also be delayed.
 
 Persons look before they answer, so their answers are true.
 
 Invariants, after each step (letters as in the docstrings of `claims` and `work_model`):
 
 (a) (b) (c) (d) the invariants of claims. The conformance check tests them. This module tests them
-    with the true places of the robots: the journal has the claim of a robot that is at a resource,
-    no more robots are there than its capacity, and a door is open
-(e) a step is stored under its key before it is begun; it is begun once per key, and not again after
-    it was done; a person is asked about an unknown outcome
-(f) a load counts as EMPTY or LOADED only if that is true; the mission of a load keeps its robot
-(g) a robot that is at work stands at its stop, and does not move while a step runs whose blocking
-    is not NONE; it is told to begin such a step only at its stop, or in front of it
+    with the true places of the robots: the journal has the claim of each robot at a resource, no
+    resource has more robots than its capacity, and the door of a robot is open
+(e) a step is stored under its key before it begins; with each key it begins only once, and a done
+    step never begins again; a person is asked about an unknown outcome
+(f) a robot counts as EMPTY or LOADED only if it is; the mission of a load keeps its robot
+(g) a robot at work stands at its stop, and does not move during a step whose blocking is not NONE;
+    it gets the command for such a step only at its stop, or in front of the stop
 (h) no two robots have the same queue place
 (i) a mission waits only for missions that were accepted before it
 (j) a mission or step that has ended does not change any more
 (k) no robot is sent onto an edge that is closed to its load, or so near to another robot that their
-    loads could meet (`VirtualFleet` checks the true places)
-At the end, when all faults have ended and people answer, each mission ends.
+    loads could touch (`VirtualFleet` checks the true places)
+After the last fault, people answer all questions, and each mission ends.
 """
 from __future__ import annotations
 
@@ -110,8 +110,8 @@ KIND = RobotType('agv', 0.4, SPEED)
 STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
-PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one beat to the next
-UNSEEN = 0.1  # share of the openings after which the door fails before the robot is let in
+PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one `beat` to the next
+UNSEEN = 0.1  # share of openings of the door after which it fails before the robot may enter
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
@@ -128,10 +128,10 @@ class Kept(NamedTuple):
 
 
 class Body(NamedTuple):
-    """What has really happened to a step.
+    """The true state of a step.
 
-    by    -- who carries it out now; empty: nobody
-    times -- how often it was done
+    by    -- the robot or machine that carries out the step now; empty: none
+    times -- how often the step was done
     """
 
     step: WorkStep
@@ -141,7 +141,7 @@ class Body(NamedTuple):
 
 
 class Hands(SimulatedSteps):
-    """The steps of one robot or machine, which the world watches."""
+    """The steps of one robot or machine. Their starts and ends are recorded in the world."""
 
     def __init__(self, world: RandomWork, name: str) -> None:
         super().__init__(lambda: 1, lambda _: world.draw.choice((0.1, 0.5, 1.0, 3.0)))
@@ -157,7 +157,9 @@ class Hands(SimulatedSteps):
             word is Word.UNKNOWN and self._world.coin()))
 
     def restart(self) -> None:
-        """Restarts the driver. The steps that it was carrying out are done or not, at random."""
+        """Restarts the driver. Each step that it was carrying out counts as done or not done, at
+        random.
+        """
         for key in self._running:
             self._world.ends(self._name, key, self._world.coin())
         super().restart()
@@ -166,11 +168,9 @@ class Hands(SimulatedSteps):
 class RandomWork(SupervisedFleet):
     """One random run of the fleet, which its seed determines.
 
-    reckless -- whether the interlocking is also asked for edges that are in no plan, so that its
-                conditions are tested without the planner; then missions need not end
+    reckless -- whether the interlocking is also asked for edges that are in no plan, which tests
+                its conditions without the planner; then missions need not end
     load     -- the type of the loads, if loads restrict the robots; then missions need not end
-
-    Its attributes are the parts of the world, and what its persons and devices are about to do.
     """
 
     def __init__(self, seed: int, reckless: bool = False,
@@ -187,13 +187,13 @@ class RandomWork(SupervisedFleet):
         self.moved: Set[str] = set()
         """Robots that people have moved, until they are brought back."""
         self._unstored: Set[str] = set()
-        """Robots whose load a person has declared, and has read that it is not stored yet."""
+        """Robots whose load a person has declared; the answer was that it is not stored yet."""
         self._forgotten: Set[str] = set()
         """Robots whose load a person has to declare again, because it was not stored."""
         self.lies = False
         """Whether the door reports that it is open although it is not."""
-        self._deceived: Set[str] = set()  # robots on their way into a door that is not open
-        self._failed = -math.inf          # when the door closed by itself, or stopped lying
+        self._deceived: Set[str] = set()  # robots that are on their way into the closed door
+        self._failed = -math.inf          # when the door closed by itself, or became honest
         self._doors, self._disks = Random(f'doors {seed}'), Random(f'disks {seed}')
         self._is_slow = False             # the commit of the next tick takes long
         self._dead: Set[str] = set()      # machines that report nothing
@@ -263,7 +263,7 @@ class RandomWork(SupervisedFleet):
         self.draw.shuffle(messages)
         for send in messages:
             send()
-        if self._is_slow:  # most probably this commit stores the grant
+        if self._is_slow:  # this commit probably stores the grant
             self._is_slow, self.disk.seconds = False, FRESH + 1.5
         self.do(self.supervisor.tick(self.now))
 
@@ -285,13 +285,13 @@ class RandomWork(SupervisedFleet):
         self._check_places()
 
     def _hang(self, seconds: float) -> None:
-        """A commit of the fleet manager takes so long."""
+        """A commit of the fleet manager takes `seconds`."""
         self.log('the commit takes long')
         for _ in range(round(seconds / min(PERIODS))):
             self._pass(min(PERIODS))
 
     def _late_messages(self) -> List[Message]:
-        """The delayed messages that come now. Some of them come again later."""
+        """The delayed messages that come now. Some of these messages come a second time later."""
         late, self._late = self._late, []
         self._late = [message for message in late if self.draw.random() < 0.8]
         return [one.send for one in late if one not in self._late or self.draw.random() < 0.3]
@@ -385,7 +385,7 @@ class RandomWork(SupervisedFleet):
     # -- missions ---------------------------------------------------------------------------------
 
     def request_mission(self) -> None:
-        """A mission is requested, sometimes one that was requested before."""
+        """A mission is requested. Sometimes it is one that was requested before."""
         draw, book = self.draw, self.supervisor.book
         if self._requests and draw.random() < 0.1:
             again = draw.choice(self._requests)
@@ -413,7 +413,9 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.request(request, self.now))
 
     def _stops(self, count: int, takes: bool) -> Tuple[WorkStop, ...]:
-        """Random stops. At the first one a load may be taken, at the others a load may be given."""
+        """Random stops. At the first stop a load may be taken, at the other stops a load may be
+        given.
+        """
         draw = self.draw
         stops: List[WorkStop] = []
         for k in range(count):
@@ -465,7 +467,7 @@ class RandomWork(SupervisedFleet):
         self._command(CommandKind.RESUME)
 
     def change(self) -> None:
-        """A mission gets other stops. A load may be brought to some of them."""
+        """A mission gets other stops. Loads may be brought to some of these stops."""
         stops = self._stops(self.draw.randint(1, 2), False)
         self._command(CommandKind.MODIFY, MissionChange(
             self.draw.choice((0, 5)), stops=stops, first_stop=self.draw.choice((0, 0, 0, 1, 2))))
@@ -505,7 +507,7 @@ class RandomWork(SupervisedFleet):
             self._unstored.add(mission.robot)
 
     def unload(self) -> None:
-        """A person looks what a robot carries, and declares it, or removes the load."""
+        """A person looks at the load of a robot, and declares it or removes it."""
         name = self.draw.choice(sorted(self.agvs))
         mission = self.supervisor.book.of_robot(name)
         if any(one.by and one.robot == name and one.step.load for one in self.bodies.values()):
@@ -568,9 +570,10 @@ class RandomWork(SupervisedFleet):
         self.later(self._door_works)
 
     def _fails_now(self) -> bool:
-        """Returns whether the door has opened for a robot that is not let in yet, and is to fail.
+        """Returns whether the door fails now, after it has opened for a robot that may not enter
+        yet.
 
-        It has its own random numbers, so that all other events of a seed stay the same.
+        This uses its own random numbers, so that all other events of a seed stay the same.
         """
         claims = self.supervisor.interlocking.claims
         return self.devices['gate'].mode is DeviceMode.OPEN and any(
@@ -603,7 +606,7 @@ class RandomWork(SupervisedFleet):
         self.later(lambda: setattr(self.devices['gate'], 'seconds', 2.0))
 
     def door_lies(self) -> None:
-        """The door reports for a while that it is open, whatever it does."""
+        """For a while, the door always reports that it is open."""
         self.lies = True
         self.later(self._door_is_honest)
 
@@ -611,9 +614,9 @@ class RandomWork(SupervisedFleet):
         self.lies, self._failed = False, self.now  # a false report may still be on its way
 
     def _is_on_way_into_door(self, name: str) -> bool:
-        """Returns whether a robot is in the door, or was sent there.
+        """Returns whether a robot is in the door, or was sent an order into it.
 
-        A grant that was not sent does not count.
+        A grant whose order was not sent does not count.
         """
         gate, agv = WORK.devices['gate'].edges[0], self.agvs[name]
         master = self.supervisor.robots[name].master
@@ -629,9 +632,9 @@ class RandomWork(SupervisedFleet):
         self.restart()
 
     def exit_is_removed(self) -> None:
-        """The fleet manager starts with a graph that has no exit of the press.
+        """The fleet manager starts with a graph in which the press has no exit.
 
-        A mission that leads there becomes impossible.
+        A mission to the exit becomes impossible.
         """
         if not any({6, 15} & {abs(agv.edge), *map(abs, agv.edges), *map(
                 abs, self.supervisor.robots[name].record.held), *(
@@ -655,7 +658,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.stop_fleet(self.now))
 
     def station_breaks(self) -> None:
-        """The ways to the press are closed for a while."""
+        """The edges to the press are closed for a while."""
         self.close(5, 6)
         self.later(lambda: self.close())
 
@@ -685,13 +688,14 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.take_out(self._any(), self.now))
 
     def robot_is_moved(self) -> None:
-        """A person takes a robot out of service, and moves it to the next vertex if that is free.
+        """A person takes a robot out of service, and moves it to the next vertex if that one is
+        free.
         """
         name = self._any()
         agv, supervisor = self.agvs[name], self.supervisor
         if agv.is_driving or self.network.is_silent(name, self.now) or (
                 self.load is not None and any(self.carried.values())):
-            return  # people move no robot while there is a load to run into
+            return  # people move no robot that could hit a load
         edge = self.draw.choice(list(SITE.edges_from(agv.visited[-1])))
         end = SITE.end_vertex(edge)
         held = {abs(one) for other, robot in supervisor.robots.items() if other != name
@@ -705,7 +709,7 @@ class RandomWork(SupervisedFleet):
         self._stood.clear()
         agv.be_carried(edge, SITE.curve(edge).length)
         agv.visited.append(end.id)
-        self._say(name, agv.report(self.now), self.now)  # otherwise the movement is unknown
+        self._say(name, agv.report(self.now), self.now)  # this makes the movement known
 
     def _any(self) -> str:
         return self.draw.choice(sorted(self.agvs))
@@ -864,7 +868,7 @@ class RandomWork(SupervisedFleet):
             was = known.get(place)
             if was is not None and was.state.is_final and was.times_ordered:
                 assert own.state is was.state, f'(j) {step.type} was {was.state}, is {own.state}'
-            if was is None or own.key in (0, was.key):  # a stop may have replaced another one
+            if was is None or own.key in (0, was.key):  # the stops may have been replaced
                 continue
             running = [other for at, other, one in work.steps
                        if one.state is StepState.RUNNING and at != place]
@@ -873,11 +877,11 @@ class RandomWork(SupervisedFleet):
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
         assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
-        if rules.is_at_work(work) and not self.reckless:  # which moves robots during NONE steps
+        if rules.is_at_work(work) and not self.reckless:  # then robots move in NONE steps
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_sent(self, sent: SendStep) -> None:
-        """(g) A robot is told to begin a step only where its work is."""
+        """(g) A robot gets the command for a step only at the place of its work."""
         mission = self.supervisor.book.of_robot(sent.robot)
         work = None if mission is None else self.supervisor.desk.work(mission.serial)
         assert mission is not None and work is not None, f'(e) {sent} is of no mission'
@@ -886,7 +890,7 @@ class RandomWork(SupervisedFleet):
                 self._check_stands(mission, step, work.stops[place.stop].place)
 
     def _check_stands(self, mission: Mission, step: Optional[WorkStep], place: int) -> None:
-        """(g) A robot is where its work is."""
+        """(g) A robot is at the place of its work."""
         agv = self.agvs[mission.robot]
         if mission.robot in self.moved or step is not None and step.blocking is StepBlocking.NONE:
             return
@@ -899,7 +903,7 @@ class RandomWork(SupervisedFleet):
             f'(g) {mission.robot} is at {agv}, and not at {place}: {step}')
 
     def _check_places(self) -> None:
-        """(a), (b), (c), (d), (g) by the true places of the robots."""
+        """(a), (b), (c), (d) and (g) hold for the true places of the robots."""
         inside: Dict[str, List[str]] = {}
         claims = self.supervisor.interlocking.claims
         for name, agv in self.agvs.items():
@@ -913,7 +917,7 @@ class RandomWork(SupervisedFleet):
                 assert resource in claims.stored_of(name), f'(c) {name} does not claim {resource}'
             if not self._is_on_way_into_door(name):
                 self._deceived.discard(name)
-            elif self.now <= self._failed + FRESH + 1.0:  # its report was fresh enough
+            elif self.now <= self._failed + FRESH + 1.0:  # the door's report was fresh enough
                 self._deceived.add(name)
             if 'gate' in needs and name not in self.moved | self._deceived and not self.lies:
                 gate = self.devices['gate']
@@ -1019,7 +1023,7 @@ COMBINATIONS: Sequence[Tuple[Moment, Tuple[str, ...]]] = (
     (_may_enter_door, ('door_fails', 'fleet_is_stopped')),
     (_may_enter_door, ('manager_restarts', 'door_restarts')),
     (_is_in_queue, ('cancel', 'manager_restarts')), (_ends, ('answer', 'manager_restarts')))
-"""Moments and events that are combined on purpose, because they seldom come together by chance."""
+"""Moments and events that are combined on purpose, because they seldom coincide by chance."""
 
 
 def lived(seed: int, steps: int, load: Optional[LoadType] = None) -> int:

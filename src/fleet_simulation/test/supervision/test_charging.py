@@ -1,4 +1,5 @@
-"""Charging on request and of idle robots: its end, the robot with precedence, and claims."""
+"""Robots charge on request or when they are idle: when charging ends, which robot is first, claims.
+"""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,6 +1,7 @@
-"""Sequences of events after which robots were once too near to each other, without rare timing.
+"""Sequences of events after which robots were once too near to each other, without special timing.
 
-The virtual world checks the distances of all discs in each step, and fails if two are too near.
+In each step, the virtual world checks the distances between all robots, and fails if two are too
+near.
 """
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def outages(fleet):
 
 
 def beyond(fleet, name):
-    """m by which the middle of a robot is outside its allocation; 0: it is inside."""
+    """The distance (m) of a robot's centre from its allocation; 0: the centre is inside."""
     allocation, here = fleet.supervisor.robots[name].master.allocation, fleet.agvs[name].position
     ways = [max(min(math.dist(here, point) for point in area.line) - area.radius, 0.0)
             for area in allocation.areas]
@@ -83,9 +84,9 @@ def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
 
 @pytest.mark.parametrize('beside', [(0.08, 0.12), (0.0, 0.16), (0.0, 0.0)])
 def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_near_to(beside):
-    """The location of a was on no place of its route, and excluded b only while a had the route.
+    """The location of `a` was not on its route. It excluded `b` only while `a` had the route.
 
-    So both robots were stopped without a reason for people, and each `fleet in` stopped them again.
+    So both robots were stopped, no person could see why, and each `fleet in` stopped them again.
     """
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (2, 1.2), 4: (2.9, 1.1), 5: (6, 1.1)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5)})
@@ -162,7 +163,7 @@ def test_a_robot_that_chooses_another_beginning_keeps_the_place_where_it_really_
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(0.5)
     a.come_to_rest_at(3.72)
-    a.near = 0.29  # it came to rest 0.28 m before the vertex, and counts as on it
+    a.near = 0.29  # `a` came to rest 0.28 m before the vertex, and counts as at the vertex
     fleet.run(3.0)
     fleet.request(2, 6, robot='b')
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -201,7 +202,7 @@ def test_a_robot_driven_on_by_hand_without_new_locations_is_not_met_by_others(fa
         fleet.clocks['a'] = -9.0
     else:
         a.off_graph = True
-    for _ in range(20):  # it goes on to the crossing, and waits there
+    for _ in range(20):  # `a` drives on to the crossing, and waits there
         a.arc += 0.1
         fleet.step()
         assert not beyond(fleet, 'a'), f'{beyond(fleet, "a"):.2f} m outside: {fleet.picture()}'
@@ -251,10 +252,11 @@ def start_with(copy, fleet):
 
 
 def with_an_older_journal(restarts, drives):
-    """A fleet with an older journal that has another place of c. The silent c is in the way of a.
+    """A fleet with an older journal, which shows `c` at another place. The silent `c` is in the way
+    of `a`.
 
-    restarts -- number of restarts after the copy; 0: only reports show that the copy is old
-    drives   -- whether a has a route when the supervisor ends
+    restarts -- number of restarts after the copy was made; 0: only reports show that it is old
+    drives   -- whether `a` has a route when the supervisor ends
     """
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 101), 'c': (AGV, 106)},
                             settings=NEAR, planning=0.05)
@@ -266,7 +268,7 @@ def with_an_older_journal(restarts, drives):
     fleet.request(1, 3, robot='c')
     fleet.request(2, 2, robot='a')
     fleet.run_until_done(1, 2)
-    fleet.network.silent['c'] = math.inf  # it is switched off in the middle of the lower row
+    fleet.network.silent['c'] = math.inf  # `c` is switched off in the middle of the lower row
     fleet.run(7.0)
     if drives:
         fleet.request(3, 1, robot='a')
@@ -284,7 +286,7 @@ WAYS_TO_AN_OLDER_JOURNAL = [
 
 
 def in_all_ways(test):
-    """The test, for each way to an older journal."""
+    """Runs the test once for each way in which a journal can become an older one."""
     for mark in WAYS_TO_AN_OLDER_JOURNAL:
         test = mark(test)
     return test
@@ -315,7 +317,9 @@ def test_places_in_an_older_journal_that_are_believed_are_found(restarts, drives
 
 
 def test_a_fleet_that_is_stopped_by_an_older_journal_stops_also_robots_with_later_orders():
-    """The clock was also set back, so the first stop has a number that the robot already had."""
+    """The clock was also set back, so the first stop has a number that an earlier order already
+    had.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR, planning=0.05)
     fleet.run(2.0)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
@@ -370,7 +374,7 @@ def test_a_restart_with_the_same_journal_believes_it():
 # -- a planner that fails --------------------------------------------------------------------------
 
 class PoisonedFleet(SupervisedFleet):
-    """A fleet whose planner fails on each question with a plan to keep."""
+    """A fleet whose planner fails if the question contains a plan to keep."""
 
     is_poisoned = False
 
@@ -404,7 +408,9 @@ def test_a_plan_on_which_the_planner_fails_is_not_kept():
 
 @pytest.mark.parametrize('stall', [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
 def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stall):
-    """After the restart its places grow without a check, so all robots in its way must stop."""
+    """After the restart, the robot's allocation grows without a check, so all robots in its way
+    must stop.
+    """
     graph = graph_of({1: (0, 0), 2: (8, 0), 3: (4, 6), 4: (-6, 0), 5: (4, -1.2), 6: (4, 2.5)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 1), 4: (1, 4), 5: (5, 6)}, one_way=(1, 2, 3))
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 5)}, settings=NEAR, planning=0.05)
@@ -417,7 +423,7 @@ def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stal
     fleet.request(2, 6, robot='b')
     fleet.run(0.4)
     b.stalled = stall
-    # the order comes again before its report without a route is heard
+    # the order is repeated before the supervisor gets the report without a route
     fleet.network.late['a'] = 0.4
     fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet.network.to_robots), 3.0)
     a.forget()

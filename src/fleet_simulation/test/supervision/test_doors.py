@@ -1,4 +1,4 @@
-"""Doors and zones: a robot is there only with its claim, and no door closes on a robot."""
+"""Doors and zones: a robot is in one only with a claim for it, and no door closes on a robot."""
 from __future__ import annotations
 
 from random import Random
@@ -30,7 +30,7 @@ GATE = Resource('gate', ResourceKind.DOOR, frozenset({3}), has_device=True)
 class FleetWithDoors(SupervisedFleet):
     """A fleet that checks, in each step, the robots on the edges of resources.
 
-    No more robots are there than the capacity, and a device is open for each robot.
+    There must be no more robots than the capacity, and the device must be open for each robot.
     """
 
     def __init__(self, *given: Any, resources: Sequence[Resource] = (GATE,), **more: Any) -> None:

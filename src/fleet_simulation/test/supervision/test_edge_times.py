@@ -1,4 +1,4 @@
-"""Learned edge times: what counts as a drive, and when its time replaces the nominal time."""
+"""Learned edge times: which drives count, and when learned times replace the nominal time."""
 from __future__ import annotations
 
 import pytest
@@ -62,7 +62,7 @@ def test_waiting_at_a_vertex_is_not_driving(record):
 def test_what_was_not_seen_from_end_to_end_does_not_count(record):
     timer = EdgeTimer()
     grant(record, [1, 2, 3, 4])
-    timer.follow(record, 0.0)  # driving when first seen, as after a restart
+    timer.follow(record, 0.0)  # the robot already drives when it is first seen, as after a restart
     complete(record, 1)
     assert timer.follow(record, 1.0) is None
     complete(record, 3)

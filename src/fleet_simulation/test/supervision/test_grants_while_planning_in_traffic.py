@@ -56,7 +56,7 @@ class Traffic(SupervisedFleet):
 
 @pytest.fixture
 def used(monkeypatch) -> List[bool]:
-    """For each answer of the planner, whether it fitted."""
+    """For each answer of the planner: whether the answer still fitted."""
     found: List[bool] = []
     plan = Question.plan
 
@@ -87,7 +87,7 @@ def test_most_answers_fit_because_the_questions_foresee_the_grants(used, monkeyp
 
 
 def test_a_robot_is_granted_edges_while_the_planner_works_on_the_question_after_a_useless_answer():
-    """Grants go on within the edges that the question counts as released, and end there."""
+    """Robots are granted further edges up to the last edge that the question counts as released."""
     fleet = Traffic(11)
     fleet.drive(10.0)
     executor, granted, waited = fleet.supervisor.plan_executor, 0, 0

@@ -1,4 +1,4 @@
-"""Promises of the interlocking about a whole fleet, tested where they were once broken."""
+"""Promises of the interlocking about a whole fleet, in cases in which they were once broken."""
 from __future__ import annotations
 
 import math
@@ -44,7 +44,8 @@ def restart(fleet, graph=None, robots=None):
 
 
 def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_no_other():
-    """Robot a is idle when the planner is asked, but on b's path when the plan comes."""
+    """Robot `a` is idle when the planner is asked, but is on the path of `b` when the plan comes.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 8), 'b': (AGV, 1)}, planning=1.0)
     fleet.run(2.0)
     fleet.request(1, 5, robot='b')
@@ -165,7 +166,9 @@ def test_what_was_not_yet_left_stays_blocked_after_a_restart():
 
 
 def test_a_paused_robot_is_passed_where_there_is_room_and_blocks_no_other_for_ever():
-    """It is an obstacle where it will stop. Once it stands, the supervisor plans for it again."""
+    """The paused robot is an obstacle where it will stop. Once it stands, the supervisor plans for
+    it again.
+    """
     for seed in range(8):
         fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 6)}, seed=seed)
         fleet.request(1, 6, robot='a')
@@ -262,7 +265,7 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
 
 
 def test_a_route_that_was_decided_before_a_stop_does_not_pass_after_it():
-    """COMMIT hangs on the disk while a person stops the fleet."""
+    """A person stops the fleet while the disk delays a COMMIT."""
     gate = StopGate()
     with gate.passage((1, 2)) as passes:
         assert passes
@@ -294,7 +297,7 @@ def test_a_fleet_that_was_stopped_again_meanwhile_does_not_go_on():
 
 
 def test_a_robot_that_was_stopped_inside_an_edge_leaves_it_though_the_edge_is_closed_since():
-    """The rest of the edge is granted, in either direction."""
+    """The robot may leave the closed edge in either direction."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.agvs['a'].edge == 3 and fleet.agvs['a'].arc > 0.5)

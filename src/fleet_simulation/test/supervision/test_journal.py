@@ -1,4 +1,6 @@
-"""The journal: whole transactions, old layouts, refusal of a second user, its file, its growth."""
+"""The journal: whole transactions, files of older versions, refusal of a second process, its file,
+and its growth.
+"""
 from __future__ import annotations
 
 import json
@@ -64,8 +66,8 @@ OLD_MEMORY = {'route_id': 5, 'track': [1, -2], 'done': 1, 'bases': [[5, 0]], 'ov
               'ended': [4], 'stopping': False, 'shortened': None, 'place': [None, 1, 0.25],
               'outage': None, 'why': '', 'halted': False, 'resting': False, 'dock': None,
               'charge': 0.5}
-# as version 1.0.0 wrote it: the robot drives on edge 3, has just left edge 2, may have lost 5, and
-# was once seen beside its path
+# as version 1.0.0 wrote it: the robot drives on edge 3, has just left edge 2, may not have received
+# edge 5, and was once seen beside its path
 MEMORY_1_0 = {
     'route_id': 40, 'track': [1, 2, 3, 4], 'done': 2, 'bases': [[40, 0, 3]], 'over': False,
     'ended': [39], 'stopping': False, 'shortened': None, 'place': [2, 0, 0.0],
@@ -206,7 +208,7 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
 
 
 def write_1_0(path: str, memory: dict) -> None:
-    """Writes the entry of a robot as version 1.0.0 did, in the place of an entry in the journal."""
+    """Replaces the entry of a robot in the journal by an entry as version 1.0.0 wrote it."""
     db = sqlite3.connect(path)
     db.execute('INSERT OR REPLACE INTO robot VALUES (?, ?)', ('a', json.dumps(memory)))
     db.commit()
@@ -234,7 +236,7 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
 
 
 def test_a_file_without_claims_is_migrated_and_loses_nothing(path):
-    """It has version 5 of the file, which no release has written."""
+    """The file has version 5, which no release has written."""
     journal = Journal(path)
     journal.store([Mission(3, REQUEST, MissionState.ACTIVE, 'a')], loads={'a': RobotLoad()})
     journal.close()
@@ -257,7 +259,7 @@ def test_claims_come_back(path):
 
 
 def write_file_1_0(path: str) -> None:
-    """Writes a journal of version 1.0.0, from the dump of a file that this version wrote."""
+    """Writes a journal of version 1.0.0, from the dump of a file that version 1.0.0 wrote."""
     db = sqlite3.connect(path)
     db.executescript((Path(__file__).parent / 'journal_1_0_0.sql').read_text(encoding='utf-8'))
     db.close()
@@ -388,7 +390,9 @@ def test_a_robot_of_version_1_0_that_another_one_moved_may_still_be_moved(path):
 
 
 def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
-    """The robot's programs were also replaced: it has no route any more, but may still roll."""
+    """The robot's programs were also replaced: it has no route any more, but may still be coming to
+    rest.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2)})
     fleet.run(1.0)
     write_1_0(fleet.disk.journal._path, {**MEMORY_1_0, 'evidence': None})
@@ -563,7 +567,9 @@ def test_the_history_since_a_time_has_what_changed_and_what_is_open(path):
 
 @pytest.mark.parametrize('runs', [True, False])
 def test_the_history_is_read_where_nothing_may_be_written(on_small_disk, runs):
-    """The page reads the journal in this way, whether the fleet manager runs or not."""
+    """The page reads the journal in this way, both while the fleet manager runs and while it does
+    not.
+    """
     def read(disk):
         own, shown = disk.folder / 'own', disk.folder / 'shown'
         own.mkdir()

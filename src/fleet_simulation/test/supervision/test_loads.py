@@ -1,4 +1,4 @@
-"""Loads that need more room, a lower speed or other edges: grants to robots that carry them."""
+"""Grants to robots with loads that need more room, a lower speed or other edges."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -29,7 +29,7 @@ PALLET = LoadType('pallet', 1.3, 0.5)
 TAKE = WorkStep('take', 60.0, load=LoadEffect.TAKES, load_type='pallet')
 GIVE = WorkStep('give', 60.0, load=LoadEffect.GIVES)
 
-# Two lanes, 1.5 m apart, with a way across at both ends, and room beside them:
+# Two lanes, 1.5 m apart, joined by an edge at both ends, with more room at the right end:
 #   11 -- 12 -- 13 -- 14 -- 15
 #    |                 |
 #    1 --- 2 --- 3 --- 4
@@ -43,7 +43,7 @@ LANES = Graph([Vertex(id, *place, 0.0) for id, place in PLACES.items()],
 
 
 class LoadedFleet(SupervisedFleet):
-    """A fleet that carries pallets. The world checks the room around them."""
+    """A fleet that carries pallets. The virtual world checks the free space around the pallets."""
 
     def __init__(self, robots: Mapping[str, int], pallet: LoadType = PALLET,
                  graph: Graph = LANES, **more: object) -> None:
@@ -69,7 +69,7 @@ class LoadedFleet(SupervisedFleet):
         return self.supervisor.robots[name].type
 
     def told_speeds(self, name: str = 'a') -> Set[float]:
-        """Returns the speeds in the routes that the robot was sent since the last call."""
+        """Returns the speeds in the routes that were sent to the robot since the last call."""
         sent, self.sent = self.sent, []
         return {one.speed for one in sent if one.robot == name and one.edges}
 

@@ -42,7 +42,7 @@ class PlannedFleet(SupervisedFleet):
 
     @property
     def moment(self) -> float:
-        """s since 1970, by the clock of the fleet manager."""
+        """The time in s since 1970, according to the clock of the fleet manager."""
         return self.wall + self.now
 
     def send(self, id: int, **fields: object) -> None:

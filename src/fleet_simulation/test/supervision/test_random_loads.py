@@ -1,7 +1,7 @@
 """The random test of work (`random_work`), with loads that need more room than their robots.
 
 The load is so wide that no other robot may stand at the next vertex, and one of the two lanes is
-closed to it. `test_loads` tests that a guard that is left out is found.
+closed to the load. `test_loads` tests that the check finds a missing guard.
 """
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """The random test of work (`random_work`): the invariants hold, and each mission ends.
 
-A seed determines a run, here called a life. If a guard is left out, a life fails: the tables name
-the seed of a life that fails soon. One guard is an exception, `a report of an earlier run is
-ignored`: the search over all states finds that it is left out (`test_work_model`). `test_door_yard`
-finds it if an order is not judged when it is sent.
+A seed determines a run, here called a life. If a guard is left out, some lives fail: for each
+guard, the tables name the seed of a life that fails soon. One guard is an exception, `a report of
+an earlier run is ignored`: only the search over all states finds that this guard is missing
+(`test_work_model`). `test_door_yard` finds it if orders are not checked when they are sent.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from fleet_core.work import rules
 
 WHOLE = is_whole(__file__)
 STEPS = 2_000_000 if LONG else 100_000 if WHOLE else 2_500
-PARTS = 8 if WHOLE else 1  # of these steps, so that several processes share them
+PARTS = 8 if WHOLE else 1  # parts into which the steps are divided, for several processes
 LIFE = 2500                # steps of a life before all faults end
 
 
@@ -81,7 +81,7 @@ SOON = {
     'a claim is ready when its device is open': 0, 'a claim ends by the place': 0,
     'the gate is closed while a step runs': 14, 'a robot at work stands': 14,
     'a report of a device counts while it is fresh': 76}
-"""By guard: the seed of a life that finds within 700 steps that the guard is left out."""
+"""For each guard: the seed of a life that finds within 700 steps that the guard is left out."""
 LATER = {
     'a key is above all that the robot has taken': 2,
     'a mission that has become impossible ends its steps first': 18,
@@ -90,7 +90,7 @@ LATER = {
     'a command is sent when its step is stored': 13,
     'a robot that was moved away is not at work': 36,
     'a mission without a robot is not at work': 5085}
-"""By guard: the seed of a life that finds that the guard is left out."""
+"""For each guard: the seed of a life that finds that the guard is left out."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}
 
 

@@ -1,4 +1,4 @@
-"""Stations: robots wait in a queue for their turn, in order, and leave the exit free."""
+"""Stations: robots wait in a queue, enter the station in order, and leave its exit free."""
 from __future__ import annotations
 
 import math
@@ -147,7 +147,9 @@ SHORT = Station('press', (18,), (5,))
 
 
 def full_press() -> FleetAtStations:
-    """Three robots, of which two fill the press and its queue, and a mission 3 for the press."""
+    """Three robots. Two of them occupy the press and its queue, and mission 3 also leads to the
+    press.
+    """
     fleet = lane(3, SHORT)
     for id, name in enumerate('ba', 1):
         fleet.visit(id, 18, robot=name)
@@ -422,7 +424,7 @@ def test_another_place_is_chosen_while_a_robot_that_cannot_work_stands_in_the_fi
     assert shelf(fleet, 1) == 14
 
 
-# Two stations without a queue: each robot stands where the other one wants to go.
+# Two stations without a queue: each robot stands at the station that the other robot needs.
 def test_two_robots_that_want_each_others_stations_make_room() -> None:
     fleet = FleetAtStations(LANE, {'a': 1, 'b': 12}, Station('press', (18,)),
                             Station('table', (3,)), parking=PARKING)
@@ -432,7 +434,7 @@ def test_two_robots_that_want_each_others_stations_make_room() -> None:
     fleet.run_until_done(1, 2)
 
 
-# The press at the end of a dead end, so that its only way out leads through its queue.
+# The press at the end of a dead end. The only path away from the press leads through its queue.
 DEAD_END = graph_of({vertex.id: vertex.position for vertex in LANE.vertices.values()},
                     {edge.id: (edge.origin, edge.destination) for edge in LANE.edges.values()
                      if edge.id != 6})

@@ -212,7 +212,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before it refuses orders because of it
+    fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before the robot refuses orders
     fleet.run_until_done(1)
     assert any(note.startswith('a cannot work: emergency stop.') for note in fleet.notes)
 
@@ -261,7 +261,8 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
 
 
 def _stopped_between(least: float, most: float) -> SupervisedFleet:
-    """The fleet is stopped when its robot `a` is between these places (m) of an edge."""
+    """A fleet that is stopped when robot `a` is between these places (m from the start) of an edge.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: least < fleet.agvs['a'].arc < most)
@@ -444,7 +445,7 @@ def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones(
 def test_the_serials_of_accepted_missions_only_grow_and_each_status_has_its_own():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     for vertex in (2, 3):
-        fleet.request(1, vertex)  # the same id twice: the first one has ended
+        fleet.request(1, vertex)  # the id of a mission that has ended
         fleet.run(30.0)
     fleet.request(2, 99)
     fleet.run(1.0)
@@ -525,7 +526,8 @@ def test_a_mission_has_more_destinations_than_the_planner_is_asked_for_at_once(c
 
 @pytest.mark.parametrize('seed', range(3))
 def test_to_look_only_at_robots_with_news_gives_the_same_orders(seed, monkeypatch):
-    """The orders are the same as with a look at all robots each time."""
+    """The supervisor sends the same orders as a supervisor that examines all robots at each event.
+    """
     orders = []
     for looks_at_all in (False, True):
         if looks_at_all:
@@ -595,7 +597,7 @@ def test_a_stop_is_told_in_a_sentence_with_the_date_if_it_was_another_day(stop, 
 
 @pytest.mark.parametrize('busy', [True, False])
 def test_an_emergency_stop_is_told_as_long_as_it_is_pressed(busy):
-    """At no moment does the robot count as well, even after a stop and a resume of the fleet."""
+    """At no moment does the robot seem ready, not even after the fleet was stopped and resumed."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     if busy:
         fleet.request(1, 4, robot='a')

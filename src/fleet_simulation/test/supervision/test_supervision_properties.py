@@ -1,6 +1,6 @@
 """A fleet keeps the promises of docs/explanation/fleet.md, under all events.
 
-- No robots collide, and no robot holds a place that another may still drive.
+- No robots collide, and no robot holds a place to which another robot may still drive.
 - A command of a person has precedence over everything else.
 - No accepted mission is lost or driven twice.
 - All missions end when the trouble ends.
@@ -87,7 +87,7 @@ def test_whatever_happens_to_a_fleet_its_promises_are_kept(fleet: SupervisedFlee
 
 
 def test_what_a_robot_held_on_another_graph_blocks_nobody_for_ever() -> None:
-    """The graph lacks an edge for a moment, behind a robot that drives on."""
+    """For a moment, the graph lacks an edge that is behind a driving robot."""
     kind = replace(AGV, docks=frozenset(DOCKS))
     fleet = SupervisedFleet(YARD, {name: (kind, 21 + k) for k, name in enumerate(ROBOTS)},
                             planning=0.05, parking=PARKING,

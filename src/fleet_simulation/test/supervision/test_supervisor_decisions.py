@@ -1,4 +1,6 @@
-"""Decisions: commands of persons have precedence; which robot is sent, charges, or goes first."""
+"""Decisions of the supervisor: commands of persons have precedence; which robot is sent, which one
+charges, and which one goes first.
+"""
 from __future__ import annotations
 
 import math
@@ -45,7 +47,9 @@ def robot(fleet, name='a'):
 
 @pytest.mark.parametrize('how', ['lost link', 'stop all', 'fleet out'])
 def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
-    """Its computer reports, but has no link to the robot, which drives on along its route."""
+    """The robot's computer reports, but its link to the robot is lost, and the robot drives on
+    along its route.
+    """
     fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)}, settings=FAR)
     fleet.request(1, 6, robot='a')
     fleet.run(2.0)
@@ -88,7 +92,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
 
 @pytest.mark.parametrize('ahead', [0.0, 1.0, 3.0, 8.0])
 def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mission(ahead):
-    """The plan in force also leads there, but through the place that was cancelled."""
+    """The plan in force also leads to the next destination, but through the cancelled one."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, parking=(1,),
                             settings=RobotSettings(release_ahead=ahead))
     fleet.planner.rounds = 5
@@ -101,7 +105,9 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
 
 
 def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
-    """The report shows the route after the cancel; a longer route is on its way to the robot."""
+    """The report shows the route as it is after the cancel, but an order for a longer route is on
+    its way to the robot.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
@@ -202,7 +208,8 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
 
 
 def taken_over_as_it_was_let_go_on():
-    """Robot a stands in the middle of an edge. Its route failed, so it refused more edges."""
+    """Robot `a` stands in the middle of an edge. Its route has failed, so it refused further edges.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
@@ -214,7 +221,7 @@ def taken_over_as_it_was_let_go_on():
 
 
 def test_where_a_person_drives_who_refused_more_is_known():
-    """Its reports still contain the route that has failed."""
+    """The robot's reports still contain the route that has failed."""
     fleet = taken_over_as_it_was_let_go_on()
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 4, 1.0
     fleet.run(0.5)
@@ -244,7 +251,7 @@ def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
 
 
 def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
-    """Robot b is switched on in the middle of the path while that path is planned."""
+    """Robot `b` is switched on in the middle of the path of `a` while this path is planned."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)}, settings=FAR)
     fleet.network.silent['b'] = 1e9
     fleet.run(6.0)
@@ -257,7 +264,7 @@ def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
 
 @pytest.mark.parametrize('told', ['all', 'no longer', 'not of the last edges'])
 def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(told):
-    """Its reports arrive, or do not arrive, or an order is still on its way to it."""
+    """The robot's reports arrive or not, or an order is still on its way to the robot."""
     fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.request(1, 7, robot='a')
@@ -376,7 +383,7 @@ def view_of(fleet, name):
 
 
 def charging_at_6(**more):
-    """Robot `a` charges at 6, and is half full."""
+    """Robot `a` charges at vertex 6; its charge is 0.5."""
     fleet = yard({'a': 4}, **more)
     charge(fleet, a=0.2)
     fleet.run(20.0)
@@ -555,7 +562,9 @@ def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
 # -- robots go before a late one, if switching is enabled ------------------------------------------
 
 def crossing() -> Graph:
-    """Roads from 1 to 7 and from 11 to 17, which cross at vertex 4, a little nearer to 1."""
+    """A lane from 1 to 7 and a lane from 11 to 17. They cross at vertex 4, which is a little nearer
+    to 1 than to 11.
+    """
     places = {k: (2.5 * (k - 4), 0.0) for k in range(1, 8)}
     places.update({10 + k: (0.0, 2.6 * (k - 4)) for k in range(1, 8) if k != 4})
     across = [11, 12, 13, 4, 15, 16, 17]
@@ -571,7 +580,9 @@ def ended(fleet: SupervisedFleet) -> List[int]:
 
 
 def both_cross(switches: bool) -> SupervisedFleet:
-    """In the plan, a reaches the crossing first. In fact a stands before it for a minute."""
+    """In the plan, `a` reaches the crossing first. In fact `a` stands before the crossing for a
+    minute.
+    """
     fleet = SupervisedFleet(crossing(), {'a': (AGV, 1), 'b': (AGV, 11)}, switches=switches)
     fleet.request(1, 7, robot='a')
     fleet.request(2, 17, robot='b')
@@ -621,7 +632,7 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     fleet.request(1, 7)
     fleet.run(0.3)
     assert standstills.further(robot, fleet.now) == 0.0  # an edge has just been released to it
-    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # no experience yet: the same time again
+    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # no experience yet: as long as so far
     for _ in range(6):
         stands(20.0)
         stands(0.0)

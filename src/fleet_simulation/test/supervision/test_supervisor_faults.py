@@ -1,4 +1,4 @@
-"""Robots fail, stand at an unexpected place, or come back: which robots then move, and how.
+"""Robots fail, stand at an unexpected place, or return: which robots then move, and how.
 
 Wrong, repeated, late or foreign messages are ignored, or refused with one sentence.
 """
@@ -90,7 +90,7 @@ def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
 
 
 def test_nobody_is_sent_to_where_a_robot_was_carried():
-    """From vertex 2 on, the upper path is shorter until a person puts `b` on it."""
+    """From vertex 2 on, the upper path is the shorter one, until a person puts `b` on this path."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
                       7: (16, -6), 8: (24, 0), 9: (30, 0)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
@@ -243,7 +243,7 @@ def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_w
 
 @pytest.mark.parametrize('how', ['it reports', 'it refuses'])
 def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_the_robot_stands(how):
-    """Nothing is ordered in vain meanwhile, and the mission goes on when the stop is over."""
+    """During the emergency stop no useless order is sent. Afterwards the mission goes on."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=3.0))
     robot, agv = fleet.supervisor.robots['a'], fleet.agvs['a']
@@ -298,7 +298,9 @@ def test_a_lost_link_is_not_back_before_the_robot_is_known_to_stand(commands_onl
 
 @pytest.mark.parametrize('deafness', [0.0, 2.0])
 def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_route_again(deafness):
-    """To make room, the old route would be extended, perhaps just before the switch-off."""
+    """The robot must make room, so the supervisor extends the old route, perhaps just before the
+    robot is switched off.
+    """
     fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
                             parking=(1, 8, 100))
     fleet.request(1, 2, 1, robot='a')
@@ -340,7 +342,9 @@ def test_who_is_silent_is_ordered_nothing_new_but_to_stop():
 
 
 def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_meanwhile():
-    """The order is from before the restart: the robot may have been moved since then."""
+    """The order was sent before the robot was switched off and on. The robot may have been moved
+    since.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.network.silent['a'] = 1e9
@@ -348,7 +352,7 @@ def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_
     fleet.run(6.0)
     fleet.agvs['a'].forget()
     fleet.network.deaf['a'], fleet.network.silent['a'] = 0.0, 0.0
-    fleet.hangs = True  # the repetition comes before the supervisor hears of the restart
+    fleet.hangs = True  # the repetition comes before a report of the restart
     fleet.network.to_robots = fleet.sent[-1:]
     fleet.step()
     fleet.hangs = False
@@ -389,7 +393,9 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
 
 @pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
 def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
-    """A robot may be reported on an edge nearby. After a push along its edge it is elsewhere."""
+    """A report may show the robot on a near edge. If the robot was pushed along its edge, it has
+    left its place.
+    """
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1)})
@@ -423,7 +429,9 @@ def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(co
 @pytest.mark.parametrize('are_locations_fresh', [False, True])
 def test_a_standing_robot_whose_link_is_down_needs_no_person_and_goes_on_once_it_is_back(
         are_locations_fresh):
-    """Its computer refuses each order. If only the command link is down, locations still come."""
+    """The robot's computer refuses each order. If only the link for commands is down, locations
+    still come.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.lose_link('a', commands_only=are_locations_fresh)
@@ -453,7 +461,7 @@ def test_a_robot_whose_clock_is_mended_while_the_fleet_is_stopped_goes_on_with_i
 
 @pytest.mark.parametrize('restart_after', [0.2, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 4.0])
 def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_ever(restart_after):
-    """Each outage is stored, so the next supervisor knows what the robot waits for."""
+    """Each outage is stored, so the next supervisor knows why the robot does not drive."""
     fleet = SupervisedFleet(corridor(8, siding_at=4), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.run(2.0)
@@ -488,7 +496,8 @@ def fleet():
 
 
 def hear(fleet, said, age=0.0):
-    """The supervisor receives an unexpected report; returns the orders that follow."""
+    """Gives the supervisor an unexpected report. Returns the orders that the supervisor then sends.
+    """
     sent = len(fleet.sent)
     fleet.do(fleet.supervisor.report('a', Report(said, age), fleet.now))
     return fleet.sent[sent:]
@@ -535,8 +544,11 @@ def test_a_record_at_its_last_number_is_ignored_also_if_no_edge_is_ordered(fleet
 
 
 def goes_on_by_a_person(fleet, told, words):
-    """True if the robot holds its places until it stands, is left to a person with one sentence,
-    and its mission then ends."""
+    """Returns True if the mission ends after a person has brought the robot in.
+
+    Before that, the robot must hold its places until it stands, and one sentence must tell the
+    person about it.
+    """
     agv, held = fleet.agvs['a'], set(fleet.supervisor.robots['a'].record.held)
     sent = len(fleet.sent)
     fleet.run_until(lambda: not agv.is_driving)
@@ -557,7 +569,7 @@ def test_one_report_of_an_unknown_epoch_voids_the_route_with_one_sentence(fleet)
 
 
 def test_a_new_epoch_of_no_known_cause_voids_the_route_with_one_sentence(fleet):
-    """A later version of the protocol may have more causes."""
+    """A later version of the protocol may have causes that this version does not know."""
     told = len(fleet.notes)
     fleet.agvs['a'].begin_epoch(EpochCause.NONE)
     fleet.step()
@@ -614,7 +626,8 @@ def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
 
 
 def test_a_robot_that_does_not_know_its_place_yet_is_not_off_the_graph():
-    """A bridge reports from its start on, but the robot reports its place some seconds later."""
+    """A bridge sends reports as soon as it starts, but learns the robot's place some seconds later.
+    """
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.network.silent['a'] = 3.0
     for later in (0.1, 0.2, 0.3):

@@ -26,7 +26,7 @@ from world.supervised_fleet import SupervisedFleet, blocked
 # -- restarts --------------------------------------------------------------------------------------
 
 def cut_short(graph, length):
-    """A corridor without its vertices beyond `length`."""
+    """A corridor without the vertices whose ids are above `length`."""
     return Graph([v for v in graph.vertices.values() if v.id <= length],
                  [e for e in graph.edges.values() if e.destination <= length])
 
@@ -59,7 +59,9 @@ def test_a_robot_that_stays_until_released_is_released_before_the_first_tick_aft
 
 
 def test_allocations_in_the_journal_never_exclude_each_other():
-    """When a robot is granted a place, it is also stored that another robot has left this place."""
+    """When a robot is granted a place, the journal also stores that another robot has left this
+    place.
+    """
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 2), 'c': (AGV, 3)})
     for id, (vertex, robot) in enumerate(((8, 'a'), (10, 'b'), (12, 'c')), 1):
         fleet.request(id, vertex, robot=robot)
@@ -150,7 +152,9 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
 
 
 def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_after_a_restart():
-    """Nobody knows where that route leads, and the new graph may have edges there."""
+    """The fleet manager does not know where this route leads, and the new graph may have edges
+    there.
+    """
     whole = corridor(12)
     fleet = SupervisedFleet(cut_short(whole, 4), {'a': (AGV, 1)})
     fleet.run(1.0)
@@ -202,7 +206,9 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
 
 @pytest.mark.parametrize('starts_anew', [True, False])
 def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
-    """The request was latched, and a node that takes missions subscribes again."""
+    """The request was latched: it comes again whenever the node that accepts missions subscribes
+    again.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     for stamp, vertex in ((100.0, 3), (200.0, 1)):
         fleet.request(7, vertex, stamp=stamp)
@@ -242,7 +248,9 @@ def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_
 
 
 def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_graph():
-    """The remaining drives of the robot are on the new graph; it keeps them before it reports."""
+    """The robot's remaining edges are in the new graph. The robot holds them even before its first
+    report.
+    """
     fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
@@ -259,7 +267,7 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
 
 @pytest.mark.parametrize('gone', [2, 3])
 def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_mission(gone):
-    """The journal does not have that the robot has left this edge, so the robot is stopped once."""
+    """The journal does not show that the robot has left this edge, so the robot is stopped once."""
     fleet = SupervisedFleet(corridor(7), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))
     fleet.run(2.0)
@@ -277,7 +285,9 @@ def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_miss
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
-    """A person stopped it without the fleet manager, which hung and was then ended."""
+    """A person stopped the robot without the fleet manager, because the fleet manager hung; then it
+    was ended.
+    """
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True
@@ -393,7 +403,7 @@ def test_what_would_let_a_robot_drive_on_is_not_done_and_that_is_said(command):
     fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(5.0)
     fleet.disk.fails()
-    fleet.close(7)  # something must be stored, so the fault shows
+    fleet.close(7)  # this must be stored, so the fault appears
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
     assert f'{command.name} is not done: the journal' in fleet.statuses[-1].reason

@@ -1,4 +1,4 @@
-"""A fleet on a graph whose long edges are cut: no text for people names a section of an edge."""
+"""A fleet on a graph whose long edges are cut into sections: no text for people names a section."""
 from __future__ import annotations
 
 import random
@@ -25,7 +25,7 @@ NAMED = re.compile(r'\b(edge|vert)(?:s|ex|ices)? ((?:-?\d+(?:, | and )?)+)', re.
 
 
 def foreign_names(text: str, drawn: Graph) -> Set[str]:
-    """The edges and vertices that the text names and the drawn graph does not have."""
+    """The edges and vertices that the text names although the drawn graph does not have them."""
     known = {'edge': drawn.edges, 'vert': drawn.vertices}
     return {f'{kind} {id}' for kind, ids in NAMED.findall(text)
             for id in re.findall(r'\d+', ids) if int(id) not in known[kind.lower()]}

@@ -1,15 +1,17 @@
 """Each change of a robot's state causes a notification, so that no derived value is out of date.
 
-A report without news costs little: the supervisor examines a robot again only after a notification.
-It keeps three kinds of derived values, and none may be older than the robot's state:
+A report without news costs little, because the supervisor examines a robot again only after a
+notification. There are three kinds of derived values, and none of them may be older than the
+robot's state:
 
 - `RouteMaster` notifies when its state changes. The allocation and the tables of the interlocking
   are derived from this state.
 - The journal stores a robot again when its `progress` changes, or after a notification.
-- The check of a plan against the world examines a robot again when its version grows.
+- The check of a plan against the world examines a robot again when the robot's version number
+  grows.
 
-The fields are read from the objects and types themselves, so a new field is compared as well. Two
-tables name the fields that may change without a notification, and the reasons.
+The names of the fields are read from the objects and types themselves, so a new field is also
+compared. Two tables name the fields that may change without a notification, and the reasons.
 """
 from __future__ import annotations
 
@@ -47,7 +49,7 @@ from world.supervised_fleet import SupervisedFleet
 
 WHOLE = is_whole(__file__)
 LIVES = 60 if LONG else 12 if WHOLE else 1
-DRIVES = 20000 if LONG else 3000 if WHOLE else 200  # of one robot
+DRIVES = 20000 if LONG else 3000 if WHOLE else 200  # random drives of one robot
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS), play=0.1)
 GRAPH = corridor(4)
 ME = 'path_supervisor'
@@ -59,31 +61,32 @@ UNTOLD = {
     'graph', '_slack', '_clock', '_tell', 'record',
     # values derived from the other fields; `check_kept` compares them
     '_allocation', '_elsewhere', '_progress',
-    # values that are read at each use: when an order was sent, its label, the newest location
+    # values that are read anew at each use: the time and label of an order, the newest location
     '_sent', 'last_sent', 'is_new_motion', '_label', '_told',
-    # values with the number of the last report; they are compared without the number
+    # values that contain the number of the last report; they are compared without this number
     'protocol', 'memory'}
 """Fields and answers of a route master and its record that may change without a notification."""
 ANSWERS = [name for name, one in vars(RouteMaster).items()
            if isinstance(one, property) and not name.startswith('_') and name not in UNTOLD]
 MAY_BE_OLDER: Dict[str, Callable[[Any, Any], bool]] = {
-    # a robot that is stored nearer to its last vertex, or with further edges behind it, holds more
+    # with an older value of these two fields, the robot only holds more edges
     'cleared': lambda stored, now: stored <= now,
     'behind': lambda stored, now: set(stored) >= set(now),
-    # a report that is heard twice says nothing new
+    # a report that is received twice changes nothing
     'report': lambda stored, now: stored <= now,
     # drawn anew at each start
     'gap': lambda stored, now: True,
     # judged anew at each start
     'commands': lambda stored, now: True,
     'charge': lambda stored, now: True,
-    # each start begins with UNSEEN
+    # after each start, a robot is UNSEEN
     'outage': lambda stored, now: stored is None and now is Outage.UNSEEN}
-"""Fields of the stored state that may differ from the present one, and how."""
+"""Fields of the stored state that may differ from the present state, and the permitted difference.
+"""
 
 
 def state_of(master: RouteMaster) -> Fields:
-    """All that a route master and its record know and answer, except `UNTOLD`."""
+    """All fields of a route master and its record, and all its answers, except `UNTOLD`."""
     found: Fields = {name: getattr(master, name) for name in ANSWERS}
     for owner in (master, master.record):
         for name, value in vars(owner).items():
@@ -272,7 +275,9 @@ def forgets(number: int) -> property:
 
 
 FOUND_BY = {0: 2, 1: 31, 2: 24, 3: 0, 4: 1246, 5: 25946, 6: 33, 7: 20, 8: 5, 9: 0, 10: 11}
-"""By number of a field in `_known`: the seed of a drive in which only this field changes once."""
+"""For each number of a field in `_known`: the seed of a drive in which once only this field
+changes.
+"""
 
 
 @pytest.mark.parametrize('number', FOUND_BY)
@@ -300,7 +305,7 @@ def test_a_new_field_is_covered_by_itself(monkeypatch: pytest.MonkeyPatch) -> No
 class ObservedFleet(SupervisedFleet):
     """A fleet that checks at each event that all changes caused notifications."""
 
-    _number = -1  # number of commits when the journal was last read
+    _number = -1  # number of commits at the last reading of the journal
 
     def _begin(self) -> None:
         self._before: Dict[str, Tuple[int, Fields]] = {}
@@ -333,7 +338,7 @@ class ObservedFleet(SupervisedFleet):
             memory = outbox._memory(name)
             assert memory is not None
             older = wrong_in(stored_fields(self._stored[name]), stored_fields(memory))
-            if self.supervisor._run.is_wrong:  # then a restart doubts each place as well
+            if self.supervisor._run.is_wrong:  # then a restart also makes each place doubtful
                 older.pop('unknown', None)
             assert not older, f'the journal has an older state of {name}'
 

@@ -1,4 +1,4 @@
-"""Every open mission that does not go on shows what it waits for, and why no robot serves it."""
+"""Each open mission that makes no progress shows why it waits, and why no robot serves it."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -31,14 +31,14 @@ LIVES = 6
 
 
 def why(fleet: VirtualFleet, id: int) -> MissionReason:
-    """What a mission waits for."""
+    """The reason why a mission waits."""
     mission = fleet.supervisor.book.find(id)
     assert mission is not None
     return mission_reason(mission, fleet.supervisor, fleet.now)
 
 
 def why_not(fleet: VirtualFleet, id: int, robot: str = 'a') -> RobotReason:
-    """Why a robot does not serve a mission."""
+    """The reason why a robot does not serve a mission."""
     return next(one for one in why(fleet, id).robots if one.robot == robot)
 
 
@@ -50,7 +50,8 @@ def code(fleet: VirtualFleet, id: int = 1) -> WaitCode:
 
 
 def silent_mission(fleet: VirtualFleet) -> Optional[str]:
-    """An open mission that does not go on and shows no reason; None: there is no such mission."""
+    """An open mission that makes no progress and shows no reason; None: there is no such mission.
+    """
     for mission in fleet.supervisor.book.open:
         told = why(fleet, mission.request.id)
         robot = fleet.supervisor.robots.get(mission.robot)

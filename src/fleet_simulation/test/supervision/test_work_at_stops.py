@@ -273,7 +273,7 @@ def test_a_manager_that_is_restarted_at_any_moment_repeats_no_step():
             fleet.crash_at, fleet.dies_after = crash_at, dies_after
             fleet.send(1, Stop(3, steps=(TAKE, Step('n', 60.0, blocking=StepBlocking.NONE))),
                        Stop(4, steps=(GIVE,)))
-            if fleet.supervisor.book.find(1) is None:  # its journal did not have it yet
+            if fleet.supervisor.book.find(1) is None:  # the journal did not have the mission yet
                 continue
             fleet.run_until_done(1)
             assert fleet.state(1) is MissionState.SUCCEEDED

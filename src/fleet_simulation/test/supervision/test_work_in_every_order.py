@@ -1,4 +1,5 @@
-"""Random runs of a fleet with work: the fleet knows correctly what the steps really did.
+"""Random runs of a fleet with work: the fleet manager's knowledge of the steps agrees with the
+truth.
 
 Missions take and give loads, and are cancelled. Steps fail, hang, and end with an
 unknown outcome. The steps' driver and the fleet manager restart, the fleet is stopped, and messages
@@ -39,12 +40,16 @@ class Life(SupervisedFleet):
         self.dice = Random(seed)
         self.steps = {name: SimulatedSteps(lambda: 1) for name in self.agvs}
         self.pieces: Dict[str, Tuple[int, int]] = dict.fromkeys(self.agvs, (0, 0))
-        """By robot: the number of its pieces, and of its done steps that are counted in it."""
+        """For each robot: the number of its pieces, and how many of its done steps this number
+        includes.
+        """
         self.missions: List[int] = []
         self.places: Dict[str, object] = {}
 
     def carried(self, name: str) -> int:
-        """The number of pieces that a robot really carries. An empty robot gives nothing."""
+        """The number of pieces that a robot really carries. An empty robot cannot give a piece
+        away.
+        """
         done = self.steps[name].done
         pieces, seen = self.pieces[name]
         for one in done[seen:]:
@@ -116,7 +121,7 @@ class Life(SupervisedFleet):
     def _say(self, name: str, mission: int, step: str) -> None:
         steps = self.steps[name]
         if step in steps.running:
-            steps.restart()  # it hangs: the person restarts the driver, and looks again
+            steps.restart()  # the step hangs: the person restarts the driver, and looks again
             return
         decision = StepDecision.DONE if step in steps.done else self.dice.choice(
             (StepDecision.RETRY, StepDecision.SKIP, StepDecision.FAIL))
@@ -124,7 +129,7 @@ class Life(SupervisedFleet):
                                         StepAnswer(decision)))
 
     def check(self) -> None:
-        """Fails if the fleet's knowledge differs from the truth."""
+        """Fails if the fleet manager's knowledge differs from the truth."""
         done = [one for steps in self.steps.values() for one in steps.done]
         assert len(done) == len(set(done)), f'a step was done twice: {done}'
         for name, agv in self.agvs.items():

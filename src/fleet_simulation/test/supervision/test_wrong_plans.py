@@ -1,4 +1,5 @@
-"""After any wrong answer of the planner, robots drive on as soon as it answers correctly again."""
+"""After any wrong answer of the planner, robots drive on as soon as the planner answers correctly.
+"""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -41,7 +42,8 @@ def test_missions_end_though_the_first_plans_were_wrong(name, seed, monkeypatch)
 
 
 def test_after_a_wrong_answer_the_planner_is_not_asked_to_keep_the_plan_in_force():
-    """The plan in force may be the cause: its times may be wrong, and no check shows it."""
+    """The plan in force may be the cause: its times may be wrong, and no check finds wrong times.
+    """
     asked = []
 
     class Fleet(SupervisedFleet):
@@ -112,7 +114,7 @@ def test_a_plan_for_another_question_is_refused_with_the_reason(outcome, words):
 
 
 def test_robots_that_follow_each_other_around_do_not_wait_in_a_ring():
-    """Fraction 0 of a drive is reached before that drive begins."""
+    """A robot has reached fraction 0 of a drive before the drive begins."""
     outcome = in_order(Constraint('a', 1, 0.0, 'b', 1), Constraint('b', 1, 0.0, 'a', 1))
     assert fault_of(outcome, TASKS, GRAPH) == ''
 

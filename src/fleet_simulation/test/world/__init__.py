@@ -1,1 +1,2 @@
-"""The virtual world of the tests: plain AGVs, all events that can happen, and their judges."""
+"""The virtual world of the tests: plain AGVs, all events that can happen, and checks of the fleet.
+"""

@@ -18,11 +18,11 @@ from world.supervised_fleet import SupervisedFleet
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)
 DOCKS = (24, 25)
-SAME = 3  # in place of a robot's rank: the robot of the previous event
+SAME = 3  # instead of a robot's rank: the robot of the previous event
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
 _CLOCK = 3.0  # s by which a wrong clock is ahead; more than the longest delay of a report
-_FAR = 1.5  # m from a robot and its route; farther away, no other robot is in its way
+_FAR = 1.5  # m; a robot farther away from another robot and its route is not in its way
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
 _CHARGING = 0.05  # share of the battery that is charged per second in the dock
 
@@ -55,7 +55,7 @@ Act = Callable[['Chaos', str, int], None]
 class Event(NamedTuple):
     """One event of a run.
 
-    act    -- name of the method of `Chaos` that does it
+    act    -- name of the method of `Chaos` that makes the event happen
     moment -- `now`, `order` (when an order is sent) or `plan` (while the planner works)
     robot  -- rank of the robot, 0 to 2, driving robots first; or SAME
     number -- parameter of the act, for example which edge or how long
@@ -134,7 +134,9 @@ class Chaos:
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, robot: str, number: int) -> None:
-        """Requests a mission. Every fourth one is for this robot, some have dwells; ids recur."""
+        """Requests a mission. Some missions are for this robot, some have dwells, and ids are used
+        again.
+        """
         vertices = [VERTICES[(number * k + k) % len(VERTICES)] for k in range(1, 2 + number % 3)]
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(
@@ -147,9 +149,9 @@ class Chaos:
         self._send(request)
 
     def repeat(self, _: str, number: int) -> None:
-        """Sends an earlier request again, as a message that was delayed for long.
+        """Sends an earlier request again, like a message with a long delay.
 
-        It prefers a request whose id a later request has used.
+        Requests whose ids were used by later requests are preferred.
         """
         requests = self.requests[:-4] or self.requests
         if requests:
@@ -276,7 +278,7 @@ class Chaos:
             self.promises.carried.add(robot)
 
     def tells(self, robot: str) -> bool:
-        """Returns whether the robot's reports show its place without delay."""
+        """Returns whether the robot's reports show its place, without delay."""
         fleet = self.fleet
         return not (fleet.agvs[robot].off_graph or robot in fleet.lost
                     or fleet.network.late.get(robot, 0.0) > 0.0
@@ -299,7 +301,8 @@ class Chaos:
     # -- messages ---------------------------------------------------------------------------------
 
     def reports_come_late(self, robot: str, number: int) -> None:
-        """Sets the delay of the robot's reports. If it gets shorter, new reports overtake old ones.
+        """Sets the delay of the robot's reports. If the delay becomes shorter, new reports overtake
+        old ones.
         """
         self.fleet.network.late[robot] = _DELAYS[number % 4]
 
@@ -334,7 +337,9 @@ class Chaos:
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
-        """Uses a graph without the edge behind a robot, without another edge, or with all edges."""
+        """Uses a graph without the edge behind a robot, a graph without another edge, or the whole
+        graph.
+        """
         agv = self.fleet.agvs[robot]
         edge = 0
         if number % 3 == 0 and agv.current:
@@ -346,7 +351,8 @@ class Chaos:
                            [e for e in YARD.edges.values() if e.id != edge]))
 
     def _used(self) -> Set[int]:
-        """Returns the edges that each graph must have: robots are on them or may still drive them.
+        """Returns the edges that each graph must have, because robots are or may still drive on
+        them.
         """
         fleet = self.fleet
         used: Set[int] = set()
@@ -382,7 +388,8 @@ class Chaos:
         self.fleet.do(actions)
 
     def bring_in(self, robot: str, _: int) -> None:
-        """Lets a person bring this robot into service; if it works, another robot that does not."""
+        """Lets a person bring this robot into service, or another robot if this one is in service.
+        """
         robots = self.fleet.supervisor.robots
         if robots[robot].works:
             robot = next((name for name in ROBOTS if not robots[name].works), robot)
@@ -402,12 +409,12 @@ class Chaos:
     def hang(self, _: str, number: int) -> None:
         """Lets the supervisor hang for 2 s.
 
-        Depending on `number`, a person stops the fleet meanwhile, with stop orders that bypass
-        the supervisor. Afterwards the supervisor is killed or continues.
+        Depending on `number`, a person meanwhile stops the fleet with stop orders that bypass the
+        supervisor. Afterwards the supervisor is killed, or it continues.
         """
         fleet, is_stopped, is_killed = self.fleet, number % 4 > 0, number % 4 > 1
         hears = not fleet.network.loss and not fleet.lost and all(
-            # Without an epoch in the journal, an old stop and a new one cannot be told apart.
+            # Without an epoch in the journal, an old stop cannot be distinguished from a new one.
             fleet.network.hears(name, fleet.now) and robot.master.protocol.epoch
             for name, robot in fleet.supervisor.robots.items())
         fleet.hangs = True
@@ -465,7 +472,9 @@ class Chaos:
             self._check_end(request)
 
     def _resume_what_was_stopped_past_it(self) -> None:
-        """Releases a fleet stop. A stop that bypassed the supervisor may come late."""
+        """Releases a fleet stop, if there is one: a stop that bypassed the supervisor may come
+        late.
+        """
         if self.fleet.supervisor.is_stopped:
             self.resume_all('', 0)
 

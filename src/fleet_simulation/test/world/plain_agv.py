@@ -1,7 +1,7 @@
 """A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
 It shares no code with `agv_sim` and `route_protocol.vehicle`, only the values of the protocol.
-Therefore a mistake here cannot hide a mistake there.
+Therefore a mistake in this AGV cannot hide the same mistake in that code.
 """
 from __future__ import annotations
 
@@ -51,18 +51,19 @@ class Agv:
     refusing  -- number of its next orders that it refuses
     emergency -- if True, its route fails, and it refuses orders
     off_graph -- if True, it refuses orders and reports no pose
-    near      -- m from a vertex within which the AGV counts as at the vertex; after a change of
-                 `near`, a route from there must begin with an edge that leads away from the vertex
-    braking   -- m that it needs to stop; after a loss of its route it rolls on along it so far
+    near      -- m from a vertex within which the AGV counts as at the vertex; if a test changes
+                 `near`, a route from the vertex must begin with an edge that leads away from it
+    braking   -- m that it needs to stop; after the loss of its route it rolls this far along it
     aside     -- m in x and y by which it is beside its edge, until it begins another route
     error     -- m in x and y by which the location in its reports is wrong
     moved     -- s for which it still reports that a person or another program moves it
     old       -- age (ns) of the location in its reports; None: the reports have no location
 
-    `knows` is what the AGV knows of its orders:
+    `knows` has the AGV's knowledge of its orders:
     epoch, cause   -- number of its epoch, and why the epoch began
     master         -- the master whose orders it counts; None: no master has sent an order yet
-    taken, refused -- number of the last order that it took, and highest number that it refused
+    taken, refused -- number of the last order that it took, and the highest number of an order that
+                      it refused
     refusal        -- why it refused the order of the number `refused`
     first          -- number of the first edge of its route
     done           -- number of the edge under way, or of the next edge if none is under way
@@ -71,11 +72,11 @@ class Agv:
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
         self.graph, self.kind = graph, kind
-        self.due = 0.0  # it is driven in small steps: in each step of the world
+        self.due = 0.0  # its motion is simulated in each step of the world
         self.edge = graph.edges_from(vertex)[0]
         """Signed id of the edge on which the AGV is."""
         self.arc = 0.0
-        """m from the start of this edge to the AGV."""
+        """Distance (m) from the start of this edge to the AGV."""
         self.route_id = 0
         self.edges: Tuple[int, ...] = ()
         self.current = 0
@@ -84,7 +85,7 @@ class Agv:
         self.knows: Dict[str, Any] = {'report': 0}
         self._start_without_memory()
         self._refused: Optional[RouteRefusal] = None  # the last refusal of an unnumbered order
-        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
+        self._to_begin = 0.0  # m to drive back on this edge, to the start of the route
         self._rolls = 0.0     # m that it rolls on after the loss of its route
         self._rolls_along: Tuple[int, ...] = ()  # the edges after the present one
         self._giver: Optional[str] = None        # the master whose route it drives
@@ -125,7 +126,7 @@ class Agv:
 
     @property
     def location(self) -> VehicleLocation:
-        """The location that the AGV assumes; `error` is its error."""
+        """The location that the AGV reports; `error` is added to its true position."""
         (x, y), error = self.position, self.error
         return VehicleLocation(x + error[0], y + error[1], math.nan)
 
@@ -194,9 +195,9 @@ class Agv:
         return None
 
     def _wait(self, order: RouteOrder) -> None:
-        """Keeps a route until the AGV stands, in place of an older route that waits.
+        """Keeps a route until the AGV stands. The route replaces an older waiting route.
 
-        A waiting route of another master is refused.
+        If the older waiting route is of another master, it is refused.
         """
         before = self._waits
         is_of_another = before is not None and order.master != before.master
@@ -227,7 +228,7 @@ class Agv:
         knows.update(master=order.master, taken=order.order, first=number, done=number)
 
     def obey_another(self, edges: Tuple[int, ...]) -> None:
-        """Takes a route of another master, from where it is."""
+        """Takes a route of another master that begins at the AGV's place."""
         self.receive(RouteOrder(1, edges, known_epoch=self.knows['epoch'], order=1,
                                 master='another'))
 
@@ -307,7 +308,7 @@ class Agv:
         self.drive(0.0)
 
     def stand(self, route_id: int) -> None:
-        """Brakes, and has no route any more."""
+        """Ends the route; the AGV brakes."""
         self._lose_route()
         self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
         self.phase, self.reason = Phase.STOPPED, NO_REASON
@@ -406,12 +407,14 @@ class Agv:
         return None
 
     def _cannot_brake(self) -> bool:
-        """Whether the AGV is to drive on after this edge, and is too near its end to stop there."""
+        """Whether the AGV is to drive on after this edge, and is too near to the end of the edge to
+        stop there.
+        """
         return (self.phase is Phase.RUNNING and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """Returns the distance (m) on the current edge to the start of edge `first`; 0: at it."""
+        """Returns the distance (m) on the current edge to the start of `first`; 0: it is there."""
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0
@@ -502,7 +505,7 @@ class Agv:
         self.knows.update(master=None, first=0, done=0)
 
     def be_carried(self, edge: int, arc: float) -> None:
-        """A person switches it off, carries it to this place, and switches it on again."""
+        """Lets a person switch the AGV off, carry it to this place, and switch it on again."""
         self.forget()
         self.edge, self.arc, self.aside = edge, arc, (0.0, 0.0)
 
@@ -520,7 +523,9 @@ class Agv:
             self.begin_epoch(cause)
 
     def move_to(self, edge: int, arc: float) -> None:
-        """A person or another program moves it to this place; it reports this for 1 s."""
+        """Lets a person or another program move the AGV to this place. For 1 s, the AGV reports
+        that it is moved.
+        """
         self.fail(TAKEN_OVER)
         self.edge, self.arc, self._rolls, self.moved = edge, arc, 0.0, 1.0
         self.drive(0.0)
@@ -559,7 +564,7 @@ class Agv:
         return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
 
     def _notice_motion(self) -> None:
-        """Notes that somebody moves the AGV if its place has changed although it did not drive."""
+        """Notes that a person moves the AGV, if its place has changed although it did not drive."""
         here = self.position
         if self._stayed is not None and not self._drove and (
                 math.dist(here, self._stayed) > _TREMBLE):
@@ -579,7 +584,9 @@ class Agv:
 
     @property
     def done(self) -> int:
-        """Number, in its route record, of the edge under way, or of the next one."""
+        """Number in the route record of the edge under way, or of the next edge if none is under
+        way.
+        """
         return self.knows['first'] + self.current
 
     @property
@@ -614,10 +621,11 @@ _CAUSES = {
 class LostLink:
     """A robot's computer while the link between it and the robot is down.
 
-    It takes stops, and gives the last stop to the robot when the link is back. If the robot had a
-    route, the route fails at that time, and a new epoch begins.
+    The computer takes stops, and gives the last stop to the robot when the link is restored. If the
+    robot had a route when the link was lost, the route fails when the link is restored, and a new
+    epoch begins.
 
-    commands_only -- only the link for commands is down; locations still come by another link
+    commands_only -- only the link for commands is down; another link still carries locations
     """
 
     def __init__(self, agv: Agv, now: float, commands_only: bool = False) -> None:
@@ -636,7 +644,7 @@ class LostLink:
         self._stop: Optional[RouteOrder] = None
 
     def told(self, stamp: int) -> RouteReport:
-        """Returns the computer's next report on the robot."""
+        """Returns the computer's next report about the robot."""
         self._agv.knows['report'] += 1
         said = replace(self._said, number=self._agv.knows['report'])
         if self._commands_only:
@@ -650,7 +658,7 @@ class LostLink:
         return self.told(round(1e9 * now))
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
-        """Keeps a stop until the link is back; refuses each other order."""
+        """Keeps a stop until the link is restored. Refuses all other orders."""
         said = self._said
         if order.order and order.master == said.master and (
                 order.order <= max(said.order, said.refused)):
@@ -687,5 +695,5 @@ class LostLink:
         if self._lost_route:
             self._agv.fail(LOST_LINK)
         if self._stop is not None:
-            self._agv.receive(self._stop)  # counts it in the new epoch, if there is one
+            self._agv.receive(self._stop)  # counts the stop in the new epoch, if one began
             self._agv.stand(self._stop.route_id)

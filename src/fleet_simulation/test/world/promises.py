@@ -22,13 +22,14 @@ from trajectory_graph import Graph
 from world.supervised_fleet import SupervisedFleet, blocked
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
-_EXACT = 0.06  # m by which a standing robot may be away from its known place
-_STANDS = 1.5       # s after which a robot that is heard again is known to stand
+_EXACT = 0.06  # m by which a standing robot may deviate from its known place
+_STANDS = 1.5       # s from the first report after a silence until the robot is known to stand
 
 
 @dataclass
 class Word:
-    """A command of a person. It may be lost if the supervisor crashes before storing the command.
+    """A command of a person. If the supervisor crashes before it stores the command, the command
+    may be lost.
 
     since -- virtual time of the command, in s
     """
@@ -55,8 +56,8 @@ class Promises:
 
     graph   -- a graph with all edges of all graphs of this run; all edges are straight
     stopped -- the fleet stop in force, if any
-    out     -- by robot: the command that took it out of service
-    resting -- by robot: its mission was cancelled or paused, and its route is to end
+    out     -- for each robot out of service: the command that took it out
+    resting -- for each robot whose route must end: how its mission was cancelled or paused
     blamed  -- robots to which a fault happened; only these may need a person
     carried -- robots that a person may have moved
     """
@@ -80,27 +81,29 @@ class Promises:
     # -- commands of people -----------------------------------------------------------------------
 
     def stop(self, is_past: bool = False) -> None:
-        """A person stopped all robots; `is_past`: the stop bypassed the supervisor."""
+        """Notes that a person stopped all robots; `is_past`: the stop bypassed the supervisor."""
         self.stopped = Word(self.fleet.now, is_past=is_past)
 
     def take_out(self, name: str) -> None:
-        """A person took a robot out of service."""
+        """Notes that a person took a robot out of service."""
         self.out[name] = Word(self.fleet.now)
 
     def rest(self, name: str) -> None:
-        """The mission of a robot was cancelled or paused."""
+        """Notes that the mission of a robot was cancelled or paused."""
         if len(self.may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
     def closed(self) -> None:
-        """A person closed edges; only routes that robots already have may still lead over them."""
+        """Notes that a person closed edges: only routes that robots already have may still contain
+        these edges.
+        """
         self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
 
     def begins_with_older_journal(self) -> None:
-        """The supervisor starts with an older journal: everything stored since then is lost.
+        """Notes that the supervisor starts with an older journal: later entries are lost.
 
-        Each robot may need a person: its state is as old as the journal.
+        Each robot may need a person, because its stored state is as old as the journal.
         """
         self.stopped = None
         for known in (self.out, self.resting, self._told):
@@ -115,7 +118,7 @@ class Promises:
             return
         fleet, name = self.fleet, order.robot
         is_repeated = order.repeated
-        is_void = fleet.agvs[name].ignores(route_order(order.order))  # by its epoch: for ever
+        is_void = fleet.agvs[name].ignores(route_order(order.order))  # for ever, by its epoch
         assert self.stopped is None or self.stopped.is_past and is_void, (
             f'{order} though the fleet is stopped: {fleet.picture()}')
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
@@ -151,7 +154,7 @@ class Promises:
             assert room > -1e-6, f'{order} is too near to the places of {other}: {fleet.picture()}'
 
     def grants(self, name: str, edge: int) -> None:
-        """Checks an edge that is granted to a robot now, regardless of the program that asked."""
+        """Checks an edge that is granted to a robot now, whichever program asked for the grant."""
         supervisor = self.fleet.supervisor
         robot = supervisor.robots[name]
         is_inside = robot.position is not None and robot.position.vertex is None
@@ -202,9 +205,10 @@ class Promises:
                     f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
 
     def _check_excluding_ones_stand(self) -> None:
-        """Checks that each robot that another robot excludes needs a person.
+        """Checks that a robot needs a person if another robot excludes it.
 
-        A robot without a route may wait instead, if only grants determine where the two may be.
+        A robot without a route may simply wait, if the places of both robots follow only from
+        grants.
         """
         supervisor = self.fleet.supervisor
         for name, robot in supervisor.robots.items():
@@ -262,10 +266,10 @@ class Promises:
             assert not agv.edges, f'{name} did not stop: {fleet.picture()}'
 
     def _check_blame(self, name: str) -> None:
-        """Checks why a robot to which no fault happened needs a person.
+        """Checks why a robot that had no fault needs a person.
 
-        The only permitted cause is another robot near it, which had a fault or whose location is
-        old. At the end of the step the two robots need not exclude each other any more.
+        The only permitted cause is another robot near it that had a fault, or whose location is
+        old. At the end of the step, the two robots need not exclude each other any more.
         """
         fleet, supervisor = self.fleet, self.fleet.supervisor
         assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(
@@ -285,8 +289,9 @@ class Promises:
         return sent.edges[max(agv.done - sent.first, 0) if agv.taken else 0:]
 
     def may_drive(self, name: str) -> Set[int]:
-        """Returns the signed ids of the edges that a robot drives, or may drive by an order that
-        is under way to it."""
+        """Returns the signed ids of the edges that a robot drives, or may drive because of an order
+        that is on its way to the robot.
+        """
         agv = self.fleet.agvs[name]
         edges = set(agv.ahead)
         for order in self.fleet.network.under_way(name):
@@ -294,7 +299,9 @@ class Promises:
         return edges
 
     def possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
-        """Returns the robot's position and these edges, without the driven part of its own edge."""
+        """Returns the shape of the robot's position and these edges, without the part that the
+        robot has driven.
+        """
         agv = self.fleet.agvs[name]
         lines: List[BaseGeometry] = [Point(agv.position)]
         for edge in edges:

@@ -1,7 +1,7 @@
 """Rare events: robots are not where their orders lead, or the journal lacks their last orders.
 
-The fleet manager learns of these events from reports only. Therefore each event leaves other robots
-enough room to stop. Nobody can prevent that a person pushes one robot into another.
+The fleet manager learns of these events only from reports. Therefore each event leaves other robots
+enough room to stop: the fleet manager cannot prevent a person from pushing one robot into another.
 """
 from __future__ import annotations
 
@@ -42,8 +42,9 @@ class RareChaos(Chaos):
     def older_journal(self, _: str, number: int) -> None:
         """Copies the journal. Later, the supervisor starts with the copy.
 
-        The clock of its computer is right, or was set back. If the same run made the copy, the
-        supervisor can notice that only by the reports, so all robots must report without delay.
+        The clock of the supervisor's computer is right, or was set back. If the copy was made
+        during the same run of the supervisor, only reports show that it is old. So all robots must
+        report without delay.
         """
         fleet = self.fleet
         copy = fleet.disk.copy()
@@ -119,9 +120,10 @@ class RareChaos(Chaos):
         return (onward[number % len(onward)], _PUSH) if onward else (edge, length)
 
     def stray(self, robot: str, number: int) -> None:
-        """Lets a robot be beside its edge, within its play or farther, until its next route.
+        """Puts a robot beside its edge, within its play or farther away, until its next route.
 
-        Its reports show the place as exactly as a robot knows it. A standing robot is pushed there.
+        The robot's reports show this place as exactly as a real robot knows it. A standing robot
+        counts as pushed there.
         """
         agv, (x, y) = self.fleet.agvs[robot], _SIDES[number // 4 % 4]
         size = _ASIDE[number % 4]
@@ -160,7 +162,9 @@ class RareChaos(Chaos):
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:
-        """Waits at most 6 s until all robots stand that exclude others and can be stopped."""
+        """Waits at most 6 s, until each robot stands that excludes another robot and can be
+        stopped.
+        """
         fleet = self.fleet
         self.run(2.0 * STEP)
         self.run_until(lambda: not any(
@@ -168,7 +172,8 @@ class RareChaos(Chaos):
             and self._can_be_stopped(name) for name in fleet.agvs), 6.0)
 
     def _has_room(self, robot: str, place: Sequence[float]) -> bool:
-        """Returns whether a robot at a place leaves all others the room to stop before it."""
+        """Returns whether all other robots have enough room to stop before a robot at this place.
+        """
         fleet, agvs = self.fleet, self.fleet.agvs
         own = self._way_to_stop(robot)
         for name in agvs.keys() - {robot}:
@@ -182,7 +187,9 @@ class RareChaos(Chaos):
         return True
 
     def _way_to_stop(self, name: str) -> float:
-        """Returns how far (m) a robot may still drive until a stop reaches it; inf: none will."""
+        """Returns how far (m) a robot may still drive until it has obeyed a stop; inf: no stop
+        reaches it.
+        """
         fleet, agv = self.fleet, self.fleet.agvs[name]
         if not self.promises.may_drive(name) and (
                 fleet.supervisor.is_stopped or fleet.supervisor.robots[name].needs_person):
@@ -200,6 +207,6 @@ class RareChaos(Chaos):
 
 
 MOVING = tuple(act.__name__ for act in (RareChaos.put_down, RareChaos.push, RareChaos.stray))
-"""The names of the events after which a robot is not where its orders say."""
+"""The names of the events after which a robot is not at the place to which its orders lead."""
 RARE = (RareChaos.older_journal.__name__, *MOVING)
 """The names of the rare events."""

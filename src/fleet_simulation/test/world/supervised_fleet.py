@@ -21,10 +21,10 @@ class SupervisedFleet(VirtualFleet[Agv]):
     def lose_link(self, name: str, commands_only: bool = False) -> None:
         """Cuts the link between a robot and its computer.
 
-        The robot continues its route, and no node knows where it is. The computer reports the
-        route as failed. The robot obeys a stop when the link is back.
+        The robot continues its route, but no node knows its place. The computer reports the route
+        as failed. The robot obeys a stop when the link is back.
 
-        commands_only -- only the link for commands is cut; locations still come by another link
+        commands_only -- only the link for commands is cut; another link still carries locations
         """
         if name not in self.lost:
             self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
@@ -49,7 +49,7 @@ class SupervisedFleet(VirtualFleet[Agv]):
     def bring_in(self, name: str) -> str:
         """Brings a robot into service, as a person does; returns the problem, or an empty text.
 
-        If the robot has to stop first, it tries once more 3 s later.
+        If the robot must stop before that, this method tries once more 3 s later.
         """
         for _ in range(2):
             problem, actions = self.supervisor.bring_in(name, self.now)

@@ -1,9 +1,11 @@
-"""An independent witness of a running fleet: it judges the fleet by the robots' true positions.
+"""An independent witness of a running fleet, which checks the fleet with the robots' true
+positions.
 
-It imports nothing of the fleet manager and does not know its decisions. The caller gives it:
+This module imports nothing of the fleet manager, and does not know its decisions. The caller
+provides:
 
 - the true positions of all robots,
-- the missions and stops that were requested,
+- the requested missions and stops,
 - the mission statuses that the fleet published,
 - the faults and people that affect robots.
 
@@ -21,10 +23,10 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
-NEAR = 0.6  # m from a vertex within which a robot counts as having visited it
+NEAR = 0.6  # m; a robot within this distance of a vertex has visited the vertex
 CLOSE = 0.5  # m; if a moved robot has less free space to another robot, missions of both may fail.
 #              The second robot stops where it is, so the same holds for a third robot near it.
-_LOOKS_AFTER = 2  # samples after a status until the robot's place at that time is known
+_LOOKS_AFTER = 2  # samples after a status until the robot's place at the status is known
 STANDS = 0.15  # m by which a stopped robot may still move
 
 
@@ -81,13 +83,14 @@ class Witness:
         self._grace = grace
         self.broken: List[str] = []
         self.nearest = math.inf
-        """Smallest free space (m) between two robots so far, minus the clearance."""
+        """The smallest free space (m) between any two robots so far, minus the clearance."""
         self.looks = 0
         self.driven: Dict[str, float] = dict.fromkeys(radii, 0.0)
         self._named: Set[Tuple[str, ...]] = set()
         self._missions: Dict[int, _Mission] = {}
         self._succeeded: Dict[int, int] = {}
-        """By mission whose visits are still to be judged: number of samples when it succeeded."""
+        """For each mission whose visits are not checked yet: number of samples when it succeeded.
+        """
         self._trails: Dict[str, List[Tuple[float, Place]]] = {name: [] for name in radii}
         self._carried: Set[str] = set()
         self._returned: Set[str] = set()
@@ -99,56 +102,57 @@ class Witness:
     # -- actions of the caller ---------------------------------------------------------------------
 
     def ask(self, mission: int, destinations: Sequence[int], now: float) -> None:
-        """A mission was requested that the fleet can serve."""
+        """Notes that a mission was requested, which the fleet can serve."""
         self._missions[mission] = _Mission(destinations, now)
 
     def cancel(self, mission: int) -> None:
-        """A person cancelled the mission; it may end as CANCELLED from now on."""
+        """Notes that a person cancelled the mission: from now on it may end as CANCELLED."""
         self._missions[mission].is_cancelled = True
 
     def stop(self, names: Iterable[str], now: float) -> None:
-        """The fleet manager confirmed that these robots are stopped."""
+        """Notes that the fleet manager confirmed the stop of these robots."""
         for name in names:
             self._stopped.setdefault(name, now)
 
     def release(self, names: Iterable[str]) -> None:
-        """The stop of these robots is released."""
+        """Notes that the stop of these robots is released."""
         for name in names:
             self._stopped.pop(name, None)
             self._rest.pop(name, None)
 
     def cut(self, names: Iterable[str]) -> None:
-        """These robots cannot be reached until `mend` was called as often as `cut`."""
+        """Notes that these robots cannot be reached until `mend` was called as often as `cut`."""
         for name in names:
             self._cut[name] = self._cut.get(name, 0) + 1
             self._rest.pop(name, None)
 
     def mend(self, names: Iterable[str], now: float) -> None:
-        """Ends one `cut`: a stop of these robots gets its whole grace again."""
+        """Ends one `cut`. If the robots are stopped, they have the whole time `grace` again."""
         for name in names:
             self._cut[name] -= 1
             if name in self._stopped:
                 self._stopped[name] = now
 
     def trouble(self, name: str, now: float) -> None:
-        """A fault affected the robot; its mission may fail because of it."""
+        """Notes that a fault affected the robot: its mission may fail because of this fault."""
         self._troubled[name] = now
 
     def carry(self, name: str, now: float) -> None:
-        """A person moves the robot. Its distances are not judged until `bring_back` was called and
-        it is far enough from all others."""
+        """Notes that a person moves the robot. Its distances are not checked until `bring_back` was
+        called and the robot is far enough from all others.
+        """
         self._carried.add(name)
         self._returned.discard(name)
         self.trouble(name, now)
 
     def bring_back(self, name: str) -> None:
-        """The person has finished moving the robot."""
+        """Notes that the person has finished moving the robot."""
         self._returned.add(name)
 
     # -- observations ------------------------------------------------------------------------------
 
     def judge(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
-        """Judges the positions of all robots, sampled twice in a row.
+        """Checks the positions of all robots, sampled twice in a row.
 
         Each simulator samples its robots at one moment, but the moments of two simulators differ
         slightly. Therefore two robots count as too near only if both samples show them too near.
@@ -161,7 +165,7 @@ class Witness:
         self._check_visits()
 
     def hear(self, mission: int, state: State, robot: str, reached: int, reason: str) -> None:
-        """Judges a published status. Missions that the caller did not request are ignored."""
+        """Checks a published status. Missions that the caller did not request are ignored."""
         asked = self._missions.get(mission)
         if asked is None:
             return
@@ -180,7 +184,9 @@ class Witness:
         self._check_end(mission, asked, reason)
 
     def end(self) -> None:
-        """Judges open missions at the end of the run; all missions had time to end."""
+        """Reports each mission that is still open at the end of the run, because all missions had
+        time to end.
+        """
         self._check_visits(is_over=True)
         for mission, asked in self._missions.items():
             if asked.is_open:
@@ -264,10 +270,10 @@ class Witness:
                         f'{reason}', 'failed', str(mission))
 
     def _check_visits(self, is_over: bool = False) -> None:
-        """Judges the visits of missions that have succeeded, with the samples of that moment.
+        """Checks the visits of missions that have succeeded.
 
-        The sample that is taken when a status is heard may be older than the last visit, so two
-        more samples are awaited; the robot's trail is kept until then.
+        The newest sample at the time of the status may be older than the last visit. So two more
+        samples are awaited, and the robot's trail is kept until then.
         """
         for mission, looks in list(self._succeeded.items()):
             if self.looks < looks + _LOOKS_AFTER and not is_over:
@@ -281,7 +287,8 @@ class Witness:
                             'missed', str(mission))
 
     def _missed(self, asked: _Mission) -> List[int]:
-        """Returns the first destination that the robot did not visit, and all later ones."""
+        """Returns the first destination that the robot did not visit, and all later destinations.
+        """
         trail = [place for _, place in self._trails.get(asked.robot, [])]
         left = list(asked.destinations)
         for before, place in zip(trail[:1] + trail, trail):
@@ -299,8 +306,9 @@ class Witness:
 def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tuple[float, float]]:
     """Returns the medians of the second and the last quarter of the samples; None: no growth.
 
-    The samples grew if the last median is larger by more than the fraction `share` (0..1) and by
-    more than `least`. The first quarter is ignored because caches fill during it.
+    The samples grew if the last median is larger than the earlier one by more than the fraction
+    `share` (0..1), and by more than `least`. The first quarter is ignored, because caches fill
+    then.
     """
     quarter = len(samples) // 4
     if not quarter:

@@ -1,4 +1,4 @@
-"""Makes plans wrong in ways that no correct planner produces, for chaos, soak and tests."""
+"""Makes plans wrong, with errors that no correct planner makes, for chaos, soak and other tests."""
 from __future__ import annotations
 
 import math
@@ -9,7 +9,7 @@ from typing import Callable, Dict
 from fleet_core.planning.tasks import PlanningOutcome
 
 ELSEWHERE = (0, 1, -1, 7, 2 ** 31 - 1, 1 - 2 ** 31)
-"""Edge ids that replace others; most graphs have some of these edges and lack the others."""
+"""Edge ids that replace other ids; a typical graph has some of these edges and lacks the rest."""
 
 
 def without_order(outcome: PlanningOutcome, _: Random) -> PlanningOutcome:
@@ -24,7 +24,7 @@ def with_holes(outcome: PlanningOutcome, _: Random) -> PlanningOutcome:
 
 
 def exchanged(outcome: PlanningOutcome, _: Random) -> PlanningOutcome:
-    """Gives each robot the drives of another one."""
+    """Gives each robot the drives of another robot."""
     names = list(outcome.drives)
     return replace(outcome, precedence=(), drives={
         name: outcome.drives[other] for name, other in zip(names, names[1:] + names[:1])})
@@ -75,7 +75,7 @@ def of_an_unknown_robot(outcome: PlanningOutcome, chance: Random) -> PlanningOut
 
 
 def reversed_order(outcome: PlanningOutcome, _: Random) -> PlanningOutcome:
-    """Reverses each order constraint: each robot waits for those that should wait for it."""
+    """Reverses each order constraint: each robot waits for the robots that should wait for it."""
     return replace(outcome, precedence=tuple(
         one._replace(first=one.then, before=one.drive, then=one.first, drive=one.before)
         for one in outcome.precedence))

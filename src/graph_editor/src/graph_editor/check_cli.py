@@ -1,7 +1,8 @@
-"""The command line of `check_graph`: it prints the findings about a graph on its map, one per line.
+"""The command line of `check_graph`, which prints the findings about a graph on its map, one per
+line.
 
-Exit status: 0 if there are no errors; 1 if there are errors (with --strict also if there are
-warnings), or if a file cannot be used; 2 for wrong arguments.
+Exit status: 0 if there are no errors; 1 if there are errors, or if a file cannot be used; 2 for
+wrong arguments. With --strict, warnings count as errors.
 """
 from __future__ import annotations
 

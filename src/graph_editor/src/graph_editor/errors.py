@@ -3,4 +3,4 @@ from __future__ import annotations
 
 
 class SiteError(Exception):
-    """A map, or options, from which no floor or no graph can be made."""
+    """A map or options from which a floor or a graph cannot be made."""

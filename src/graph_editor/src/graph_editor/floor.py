@@ -1,9 +1,9 @@
 """The floor of a site: the free space around each place. Metres, map frame.
 
 The floor is a grid of *clearances*. A clearance is the distance from a cell's centre to the nearest
-obstacle; between centres it is interpolated. If only the cells of obstacles are known, the error is
-up to 0.71 of a cell, which equals the margin of a lane. If the positions of obstacles are known,
-the error is a few mm.
+obstacle; between centres, clearances are interpolated. If only the cells of obstacles are known,
+the error is up to 0.71 of a cell, which the margin of a lane covers. If the positions of obstacles
+are known, the error is a few mm.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Floor:
     inside    -- (rows, columns) bool: the part of the map that is used
     origin    -- x, y of the lower left corner of cell (0, 0)
     obstacles -- (N,2): points of obstacles and of the outlines of areas, at most one cell apart;
-                 None if only cells are known
+                 None: only cells are known
     """
 
     occupied: np.ndarray
@@ -40,7 +40,8 @@ class Floor:
 
     @cached_property
     def clearance(self) -> np.ndarray:
-        """(rows, columns) m: distance from each cell's centre to an obstacle or the floor's edge.
+        """(rows, columns), m: distance from each cell's centre to the nearest obstacle or edge of
+        the floor.
         """
         clearance = self._distance_to(~self.inside | self.occupied)
         if self.obstacles is not None and len(self.obstacles):
@@ -51,13 +52,17 @@ class Floor:
         return clearance
 
     def _distance_to(self, cells: np.ndarray) -> np.ndarray:
-        """Returns (rows, columns) m: from each cell's centre to the nearest centre of `cells`."""
+        """Returns (rows, columns), m: the distance from each cell's centre to the nearest centre of
+        `cells`.
+        """
         free = np.pad(~cells, 1)
         return (ndimage.distance_transform_edt(free)[1:-1, 1:-1] * self.resolution
                 ).astype(np.float32)
 
     def of_cells(self) -> Floor:
-        """Returns the floor without exact obstacles: less accurate, but with smoother walls."""
+        """Returns the floor without the exact obstacles. It is less accurate, but its walls are
+        smoother.
+        """
         return replace(self, obstacles=None)
 
     def clearance_at(self, points: np.ndarray) -> np.ndarray:
@@ -82,7 +87,8 @@ class Floor:
                                 self.origin[1] + (np.asarray(rows) + 0.5) * self.resolution))
 
     def reachable(self, clearance: float, starts: Iterable[Tuple[float, float]]) -> np.ndarray:
-        """Returns the mask of cells with at least `clearance` that are connected to `starts`.
+        """Returns the mask of the cells that can be reached from `starts` over cells with at least
+        `clearance`.
 
         A start with less clearance is replaced by the nearest suitable cell within 1 m.
         """

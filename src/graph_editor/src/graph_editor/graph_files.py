@@ -1,4 +1,5 @@
-"""The files of made graphs. A seal in the file shows whether it was edited, so no edit is lost."""
+"""Writes graphs that make_graph made. A seal shows whether a file was edited, so no edit is lost.
+"""
 from __future__ import annotations
 
 import hashlib
@@ -19,7 +20,7 @@ SEAL_MEANS = ('# While the seal matches the text below, make_graph may replace t
 def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bool) -> None:
     """Writes a made graph.
 
-    Without `force` it does not replace a file that make_graph did not write, or that was edited.
+    Without `force`, a file is not replaced if make_graph did not write it, or if it was edited.
     Raises SiteError.
     """
     if not force and os.path.exists(path) and not is_as_made(path):

@@ -2,9 +2,9 @@
 
 Usage: python3 -m graph_editor.graph_values NAME GRAPH [MAP]. The values of NAME:
 
-unedited     exit status 0 if the file is as make_graph wrote it
-dock         vertex id of the dock, the lowest of several; an empty line if there is no dock
-edge_widths  widths for omron_ros_map of the edges without space for a whole corridor
+unedited     no value; the exit status is 0 if the file is as make_graph wrote it
+dock         the vertex id of the dock, the lowest if there are several; empty line: no dock
+edge_widths  ID=WIDTH (m) of each edge without space for a whole corridor, for omron_ros_map
 """
 from __future__ import annotations
 

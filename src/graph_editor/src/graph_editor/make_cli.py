@@ -1,4 +1,4 @@
-"""The command line of `make_graph`: it makes a trajectory graph from a map, without a ROS master.
+"""The command line of `make_graph`, which makes a trajectory graph from a map without a ROS master.
 
 Exit status: 0 if the graph is written, 1 if it could not be made, 2 for wrong arguments.
 """
@@ -56,7 +56,7 @@ def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> in
 
 
 def add_site_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options for the map and the part of it that is used."""
+    """Adds the options that name the map and its part to use."""
     parser.add_argument('--map', required=True, metavar='M', help="a robot's .map, the .yaml of a "
                         'ROS map, or topic:/map for a nav_msgs/OccupancyGrid that is published')
     parser.add_argument('--area', metavar='X1,Y1,X2,Y2', help='the part of the map that is used, m '
@@ -102,7 +102,7 @@ def area_of(text: str, option: str) -> Tuple[float, float, float, float]:
 
 
 def edge_width_option(narrow: Dict[int, float]) -> str:
-    """Returns the option of `omron_ros_map` for narrow edges."""
+    """Returns the option of `omron_ros_map` that gives the widths of narrow edges."""
     return '--edge-width ' + ','.join(f'{id}={width:.2f}' for id, width in sorted(narrow.items()))
 
 

@@ -32,8 +32,8 @@ def draw_graph(site: MappedSite, graph: Graph, path: str, corridor: float,
     """Writes the PNG file `path`; raises SiteError if it cannot be written.
 
     Corridors are light blue, lines blue, splines violet. Goals are green, docks purple, parking
-    vertices orange. A dash shows the heading of a vertex. Errors have red rings, warnings orange
-    rings.
+    vertices orange. A dash shows the heading of a vertex. A red ring shows an error, an orange ring
+    a warning.
     """
     sheet = _Sheet(site.floor, graph)
     sheet.corridors(graph, corridor)

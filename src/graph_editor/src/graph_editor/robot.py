@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from graph_editor.errors import SiteError
 
 NEARLY_STRAIGHT = math.radians(5.0)
-"""A robot that drives straight on at a smaller bend hardly leaves its path; rad."""
+"""Rad; at a smaller bend, a robot that drives straight on hardly leaves its path."""
 
 
 @dataclass(frozen=True)

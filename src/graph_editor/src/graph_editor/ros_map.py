@@ -1,10 +1,10 @@
 """Reads ROS maps, i.e. the `.yaml` file and the image of `map_server`, as occupancy grids.
 
-The value of a pixel is computed as in map_server (image_loader.cpp, mode trinary): the mean of all
-its channels, alpha included. map_server reads images with SDL_image. SDL_image takes the high byte
-of 16-bit PNG files, and refuses 16-bit PGM files. For an image with a palette it gives the index of
-a colour instead of the colour. So this module refuses images for which its values could differ from
-those of map_server.
+The value of a pixel is computed as in map_server (image_loader.cpp, mode trinary): as the mean of
+all its channels, alpha included. map_server reads images with SDL_image. SDL_image takes the high
+byte of 16-bit PNG files, and refuses 16-bit PGM files. For an image with a palette it gives the
+index of a colour instead of the colour. So this module refuses images for which its values could
+differ from those of map_server.
 """
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class RosMap:
 
 @dataclass(frozen=True)
 class _Description:
-    """The contents of the `.yaml` file; thresholds are darkness, 0..1."""
+    """The contents of the `.yaml` file; thresholds are shares of black, 0..1."""
 
     image: str
     resolution: float
@@ -113,7 +113,7 @@ def _notes(path: str, description: _Description, grey: np.ndarray,
 
 
 def _values(image_path: str, path: str) -> np.ndarray:
-    """Returns the values (rows, columns), 0..255, with the lowest row first."""
+    """Returns the values of the pixels (rows, columns), 0..255, with the bottom row first."""
     try:
         with Image.open(image_path) as image:
             columns, rows = image.size

@@ -1,4 +1,4 @@
-"""Sites: a floor and its places, from a robot's `.map`, a ROS map, or an occupancy grid.
+"""Reads sites, i.e. a floor and its places, from a robot's `.map`, a ROS map, or an occupancy grid.
 
 This is the only module that uses `.map` files. Its results are in metres and radians.
 """
@@ -27,13 +27,14 @@ class PlaceKind(Enum):
     GOAL = 'goal'
     DOCK = 'dock'
     HOME = 'home'
-    """A place at which robots may be switched on; the floor is reached from it, but it is not a
-    vertex."""
+    """A place at which robots may be switched on. Reachable floor begins there, but it gets no
+    vertex.
+    """
 
 
 @dataclass(frozen=True)
 class NamedPlace:
-    """A place with a name; heading in rad, None if any heading is allowed."""
+    """A place with a name. `heading` is in rad; None: any heading is allowed."""
 
     kind: PlaceKind
     name: str
@@ -60,7 +61,7 @@ class MappedSite:
 
     @property
     def frame_id(self) -> str:
-        """The FrameId of the vertices of a graph for this map."""
+        """The FrameId for the vertices of a graph on this map."""
         return f'map/{os.path.splitext(os.path.basename(self.name))[0]}'
 
 
@@ -107,7 +108,8 @@ def site_of_document(document: MapDocument, options: SiteOptions) -> MappedSite:
 
 
 def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
-    """Returns points (N,2) of obstacles, m: scan points, and points on lines and around areas.
+    """Returns points of obstacles (N,2; m): scan points, and points on lines and on the outlines of
+    areas.
 
     pitch -- largest distance between two points on a line, mm
     """
@@ -127,8 +129,8 @@ def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, floa
                  options: SiteOptions, name: str = 'map') -> MappedSite:
     """Returns the site of an occupancy grid (rows from the lowest y; 0..100, -1 unknown), in m.
 
-    Unknown cells are not floor. A grid without free cells only has obstacles. Its floor is the area
-    inside the outline of the obstacles.
+    Unknown cells are not floor. If a grid has only obstacles and no free cells, its floor is the
+    area inside the outline of the obstacles.
     """
     if cells.size > LARGEST_GRID:
         raise SiteError(f'{name} has {cells.size} cells, but {LARGEST_GRID} is the most.')

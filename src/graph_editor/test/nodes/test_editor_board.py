@@ -37,7 +37,7 @@ class Server:
 
 
 class Editor:
-    """A board with two vertices in one handle and an edge between them, and a mouse."""
+    """A mouse, and a board with two vertices (in one handle) and an edge between them."""
 
     def __init__(self, monkeypatch) -> None:
         monkeypatch.setattr(board, 'OrderedMarkerServer', Server)

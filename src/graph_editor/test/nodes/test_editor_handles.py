@@ -75,7 +75,7 @@ def test_ids_differ():
 
 
 def colours(marker) -> list:
-    """The colours in a marker except those of words and numbers, in their order."""
+    """The colours in a marker in their order, without the colour of words and numbers."""
     return list(dict.fromkeys(rgb(paint) for paint in shapes(
         marker, Marker.TRIANGLE_LIST)[0].colors if paint != handles.BLACK))
 

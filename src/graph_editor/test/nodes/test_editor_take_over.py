@@ -1,4 +1,6 @@
-"""Only "take over" puts a draft in force. Without a fleet manager, /graph carries the draft."""
+"""Only "take over" puts a draft in force. Without a fleet manager, the draft is published on
+/graph.
+"""
 from __future__ import annotations
 
 from pathlib import Path

@@ -29,7 +29,7 @@ def end_with(host: int) -> None:
 
 
 def restore_signals(mask: Iterable[int]) -> None:
-    """Restores the signal handling of a new process; pending signals take effect now."""
+    """Restores the signal handling of a new process. Signals that are pending take effect now."""
     for number in (*ENDS, signal.SIGCHLD):
         signal.signal(number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_SETMASK, mask)
@@ -37,7 +37,9 @@ def restore_signals(mask: Iterable[int]) -> None:
 
 
 def become(request: StartRequest, streams: Sequence[int]) -> None:
-    """Adopts the streams, folder, environment and arguments of a request; starts a new session."""
+    """Starts a new session, and takes over the streams, folder, environment and arguments of a
+    request.
+    """
     os.setsid()
     for target, stream in enumerate(streams):
         os.dup2(stream, target)
@@ -60,7 +62,7 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
 
 
 def _show_as(arguments: Sequence[str]) -> None:
-    """Shows the program's own command line in process lists; the host's length limits it."""
+    """Shows the program's own command line in process lists, cut to the length of the host's."""
     _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(arguments[0])))
     with open('/proc/self/stat', encoding='utf-8') as stat:
         begin, end = map(int, stat.read().rsplit(')', 1)[1].split()[45:47])

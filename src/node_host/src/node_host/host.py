@@ -2,7 +2,7 @@
 
 Each connection represents one program from its start to its end. `hosted` sends a request, and then
 one byte for each signal to the program. The host sends back the exit status in the form of wait(2).
-If a connection ends, the host kills its program: only SIGKILL can end a `hosted` before its
+If a connection ends before its program, `hosted` was killed with SIGKILL, and the host kills the
 program.
 """
 from __future__ import annotations
@@ -27,7 +27,7 @@ STREAMS = 3
 STATUS = struct.Struct('i')
 CREDENTIALS = struct.Struct('3i')  # pid, uid, gid
 EXIT_1 = 1 << 8  # exit status 1 in the form of wait(2)
-END_WITHIN = 5.0  # s after SIGINT or SIGTERM in which the host kills the programs that still run
+END_WITHIN = 5.0  # s after SIGINT or SIGTERM; then the host kills the programs that still run
 
 
 @dataclass(eq=False)
@@ -38,7 +38,7 @@ class _Program:
     request: Optional[StartRequest] = None
     streams: List[int] = field(default_factory=list)
     pid: int = 0
-    start_pipe: int = -1  # it becomes readable when the program has started
+    start_pipe: int = -1  # becomes readable when the program has started
 
 
 class Host:
@@ -65,7 +65,7 @@ class Host:
         """
         while self._ends_at is None or self._programs:
             for key, _ in self._selector.select(self._patience()):
-                if self._selector.get_map().get(key.fd) is key:  # it has not ended meanwhile
+                if self._selector.get_map().get(key.fd) is key:  # still registered
                     key.data()
             if self._ends_at is not None and time.monotonic() >= self._ends_at:
                 for program in self._programs:
@@ -212,7 +212,7 @@ class Host:
         if program.pid:
             _send_signal(program, number)
         else:
-            self._report(program, number)  # it ends before its fork
+            self._report(program, number)  # as if the signal had ended it, before there is a fork
 
     def _forget_connection(self, program: _Program) -> None:
         if program.pid:
@@ -268,7 +268,7 @@ def _receive_packet(connection: socket.socket) -> Tuple[bytes, List[int]]:
 
 
 def _send_signal(program: _Program, number: int) -> None:
-    """Sends a signal; the process exists, or its status has not been read yet."""
+    """Sends a signal. The process must still exist, or its status must not have been read yet."""
     os.kill(program.pid, number)
 
 

@@ -1,7 +1,7 @@
 """`node_host MODULE...`: imports these modules once, then forks programs for `hosted`.
 
-It is not a ROS node itself. A module that cannot be imported is reported and skipped. A program
-that needs the module tries to import it again.
+The host itself is not a ROS node. A module that cannot be imported is reported and skipped. A
+program that needs such a module tries to import it again.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def main() -> Optional[int]:
     """Runs the host; in a fork it runs the requested program."""
     gc.disable()  # forks share memory that the collector does not touch
     _allow_files()
-    os.environ.update(ONE_THREAD)  # a fork does not inherit threads
+    os.environ.update(ONE_THREAD)  # a fork would not inherit further threads
     _import([one for one in sys.argv[1:] if ':=' not in one])
     ros_state.prepare()
     gc.collect()
@@ -44,7 +44,7 @@ def _allow_files() -> None:
 
 
 def serve() -> Optional[int]:
-    """Serves from the first request to the end."""
+    """Serves requests until a signal ends the host; in a fork, runs the requested program."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     try:
         listener.bind(host_address())

@@ -1,4 +1,4 @@
-"""State that rospy and its libraries keep in a process: prepared in the host, adapted in forks."""
+"""Prepares in the host the state that rospy and its libraries keep, and adapts it in each fork."""
 from __future__ import annotations
 
 import configparser
@@ -18,8 +18,9 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 def prepare() -> None:
     """Does work once in the host that each node would otherwise do in its own memory.
 
-    The environment variable saves each rospy node a search in all packages for its logging
-    configuration. The other calls import modules or fill Python's caches, 4 MB in each fork.
+    With the environment variable, a rospy node need not search all packages for its logging
+    configuration. The other calls import modules or fill Python's caches, which saves 4 MB in each
+    fork.
     """
     if CONFIGURATION not in os.environ:
         found = next(filter(os.path.isfile, _places()), None)
@@ -27,7 +28,7 @@ def prepare() -> None:
             os.environ[CONFIGURATION] = found
     configparser.ConfigParser().read(os.environ.get(CONFIGURATION, []))
     yaml.safe_load('{key: [1, 1.5, true, text]}')
-    'localhost'.encode('idna')  # sockets encode each name like this
+    'localhost'.encode('idna')  # as sockets encode each name
     xmlrpc.client.loads(xmlrpc.client.dumps((1, 'text', ['list', {'key': 1.0}]), 'call'))
     http.client.parse_headers(io.BytesIO(b'Content-Type: text/xml\r\nContent-Length: 1\r\n\r\n'))
 
@@ -49,7 +50,7 @@ def _places() -> Iterator[str]:
 
 
 def read_names() -> None:
-    """Reads remappings and namespace again in a fork, because rospy has read those of the host."""
+    """Reads a fork's remappings and namespace, because rospy has only read those of the host."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

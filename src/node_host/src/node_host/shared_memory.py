@@ -30,6 +30,6 @@ def fill_holes() -> None:
 
 
 def give_back() -> None:
-    """Returns the memory that the start of a program has used and freed."""
+    """Gives the memory that the start of a program has used and freed back to the system."""
     gc.collect()
     _LIBC.malloc_trim(0)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Dict, Generic, Hashable, List, Optional, TypeVar
 
 AT_A_TIME = 6
-START_WITHIN = 5.0  # s after which a program counts as started even if it does not report that
+START_WITHIN = 5.0  # s; then a program counts as started even if it has not reported its start
 SOON = 10.0  # s; an end within this time after the start counts as early
-FIRST_DELAY = 1.0  # s, after the second early end in a row; each further early end doubles it
+FIRST_DELAY = 1.0  # s, after two early ends in a row; each further early end doubles the delay
 LONGEST_DELAY = 30.0  # s
 
 Key = TypeVar('Key', bound=Hashable)
@@ -25,12 +25,12 @@ class _Waiting(Generic[Key]):
 
 
 class StartQueue(Generic[Key]):
-    """A queue. A key identifies one run, an identity a program. Times are monotonic, in s."""
+    """A queue. A key identifies one run, and an identity one program. Times are monotonic, in s."""
 
     def __init__(self, at_a_time: int = AT_A_TIME) -> None:
         self._at_a_time = at_a_time
         self._waiting: List[_Waiting[Key]] = []
-        self._starting: Dict[Key, float] = {}  # until when each of them counts as starting
+        self._starting: Dict[Key, float] = {}  # time until which each program counts as starting
         self._running: Dict[Key, _Run] = {}
         self._early_ends: Dict[Hashable, int] = {}
 
@@ -54,8 +54,8 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Returns the seconds until `next` may return a program without a further event; None if
-        it needs a further event.
+        """Returns the seconds until `next` may return a program if no further event comes; None: it
+        returns none without a further event.
         """
         if not self._waiting:
             return None

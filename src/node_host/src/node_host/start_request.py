@@ -1,4 +1,4 @@
-"""The request of a `hosted`: one packet, in the form that hosted.c writes."""
+"""The request that `hosted` sends for a start: one packet, in the form that hosted.c writes."""
 from __future__ import annotations
 
 import os
@@ -22,7 +22,8 @@ class StartRequest:
 
     @property
     def identity(self) -> Tuple[str, ...]:
-        """A value that is equal for all starts of one node: it omits the log file, which differs.
+        """A value that is equal for all starts of one node. It omits the log file, which is new
+        each time.
         """
         return (self.environment.get('ROS_NAMESPACE', ''),
                 *(one for one in self.arguments if not one.startswith(LOG_REMAPPING)))

@@ -1,9 +1,9 @@
-"""Limits the messages that rospy receives: larger ones are neither collected nor read.
+"""Limits the size of messages that rospy receives: larger messages are neither collected nor read.
 
 rospy collects a message of any announced length (up to 4 GB), and then makes an object for each of
 the message's elements. Here, the length is compared with `message_limits` as soon as it arrives:
 
-- A topic's message that is too large is left out, byte by byte as it comes. Other messages arrive.
+- A topic's message that is too large is left out while it arrives. Other messages still arrive.
 - A service's request or answer that is too large ends its connection. The other side gets an error
   at once.
 - A header that is too large ends its connection. The first bytes of an HTTP request look like the
@@ -40,16 +40,16 @@ def limit_messages() -> None:
     if not hasattr(TCPROSTransportProtocol.read_messages, '__wrapped__'):
         TCPROSSub.read_messages = leaving_out(TCPROSTransportProtocol.read_messages)
         TCPROSTransportProtocol.read_messages = ending(TCPROSTransportProtocol.read_messages, 0)
-        # one byte, which says whether the service succeeded, precedes its answer
+        # before a service's answer comes one byte, which says whether the service succeeded
         TCPROSServiceClient.read_messages = ending(TCPROSServiceClient.read_messages, 1)
         tcpros_base.read_ros_handshake_header = bounded_header(
             tcpros_base.read_ros_handshake_header)
 
 
 def when_too_large(topic: str, then: OnTooLarge) -> None:
-    """Makes rospy call `then` with the reason for each message of this topic that is left out.
+    """Makes rospy call `then` with the reason when it leaves out a message of this topic.
 
-    Without `then` a warning is logged. `topic` is the full name.
+    Without this call, a warning is logged. `topic` is the full name.
     """
     _told[topic] = then
 
@@ -101,7 +101,7 @@ def ending(read: Read, start: int) -> Read:
     @wraps(read)
     def within_limits(service: Any, buffer: BytesIO, messages: List[Any], sock: socket) -> None:
         if buffer.tell() < start + _LENGTH.size:
-            return  # otherwise rospy would collect an error message of any length
+            return  # rospy would collect an error message of any length
         most = limit_of(service.recv_data_class._type)
         length = _length(buffer, start)
         if length > most:

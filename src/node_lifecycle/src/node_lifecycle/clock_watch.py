@@ -30,7 +30,7 @@ class ClockWatch:
         self._is_reported = False
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> None:
-        """Fills in a status, as a task for diagnostic_updater."""
+        """Fills in a status; diagnostic_updater calls this."""
         before, self._last = self._last, self._ros_time()
         if self._last != before:
             self._since = self._clock()

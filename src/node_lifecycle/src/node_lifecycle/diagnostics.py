@@ -10,7 +10,7 @@ from node_lifecycle.log_throttle import warn
 from node_lifecycle.periodic import Periodic
 
 PERIOD = 1.0  # s
-Task = Callable[[DiagnosticStatusWrapper], Any]  # fills the status in
+Task = Callable[[DiagnosticStatusWrapper], Any]  # fills in the status
 
 
 def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
@@ -26,8 +26,8 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 
 
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
-    """Returns the task with one change: a failure is reported as a status. Without this change, an
-    exception would end all diagnostics.
+    """Returns the task with one change: if the task fails, its status reports the failure. Without
+    this change, an exception would end all diagnostics.
 
     Text that is not valid Unicode, such as some file names, is escaped for the same reason. The log
     gets a line when the task begins to fail, when the failure changes, and when the task works

@@ -1,7 +1,7 @@
 """The event loop of a node: callbacks queue calls, and one thread makes the calls and the ticks.
 
-A tick that is due runs after the calls that are already queued then: it looks for missing messages,
-and they may be among these calls. But no number of calls keeps a tick away.
+When a tick becomes due, the calls that are already queued run first: a tick looks for missing
+messages, which may be among these calls. Calls that are queued later cannot delay the tick.
 """
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ class EventLoop:
         self._calls.put(call)
 
     def put_if_room(self, call: Call, most: int, crowded: Call) -> None:
-        """Queues a call. Waits while more than `most` calls are queued; meanwhile a topic drops
-        messages.
+        """Queues a call. Waits while more than `most` calls are queued.
 
-        crowded -- called again and again while this waits
+        If a topic's callback waits here, rospy drops messages of this topic.
+
+        crowded -- called repeatedly during the wait
         """
         while self._calls.qsize() > most and not self._ending.wait(self._period):
             crowded()

@@ -12,7 +12,7 @@ import rospkg
 from file_replacement import replace_file
 from node_lifecycle.parameters import ConfigurationError
 
-PATIENCE = 4.0  # s in which an earlier node with this file must have ended
+PATIENCE = 4.0  # s within which an earlier node with the same file must end
 
 
 def in_ros_home(path: str) -> str:
@@ -55,8 +55,8 @@ def _lock(descriptor: int, given_up: threading.Event) -> None:
 def replace_json(path: str, content: Any, on_disk: bool = False) -> None:
     """Writes a file that is complete at any time; raises OSError.
 
-    on_disk -- True: the file survives a power cut. False: it survives the end of the process, and
-               the node does not wait for a disk
+    on_disk -- True: the file survives a power cut. False: it survives only the end of the process,
+               but the node does not wait for the disk
     """
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     replace_file(path, json.dumps(content), on_disk=on_disk)

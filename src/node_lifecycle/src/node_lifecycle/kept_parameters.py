@@ -1,7 +1,7 @@
-"""Keeps the parameters that a node found at its start, to set them at a ROS master without them.
+"""Keeps the parameters that a node found at its start, and sets them again at a new ROS master.
 
-When a master ends, its parameters are lost, and a launch file sets them only once. A node that is
-respawned under a new master would find no parameters.
+When a master ends, its parameters are lost, and a launch file sets them only once. So without this
+module, a node that is respawned under a new master would find no parameters.
 """
 from __future__ import annotations
 

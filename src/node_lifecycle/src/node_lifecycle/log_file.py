@@ -1,7 +1,7 @@
-"""Initializes a node even if its log cannot be written, so that no full or read-only disk ends it.
+"""Initializes a node even if its log cannot be written, as on a disk that is full or read-only.
 
-rospy ends a program whose log file it cannot open. It also raises the errors of the standard
-streams.
+rospy ends a program if it cannot open the program's log file. It also raises an error if it cannot
+write to a standard stream.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
 def init_node(name: str, **options: Any) -> None:
-    """Calls rospy.init_node, without a log file if none can be made.
+    """Calls rospy.init_node. If no log file can be made, the node has none.
 
     From now on the node refuses requests of web browsers, and messages that are too large.
     """
@@ -39,7 +39,7 @@ def init_node(name: str, **options: Any) -> None:
     for handler in logging.getLogger('rosout').handlers:
         handler.addFilter(_bounded)
         _guard(handler, 'emit', _harmless)
-    for handler in logging.getLogger().handlers:  # a message that fails prints a traceback here
+    for handler in logging.getLogger().handlers:  # they print a traceback if a log line fails
         handler.addFilter(_bounded)
         _guard(handler, 'handleError', _but_for_disks)
 
@@ -56,7 +56,7 @@ def _bounded(record: logging.LogRecord) -> bool:
 def _ask_once() -> None:
     """Caches a parameter that rospy reads from the master at every log line.
 
-    A node must be able to log without a master, and with a master that does not answer.
+    A node must be able to log even if there is no master, or if the master does not answer.
     """
     get_param_server_cache().set(_TOPICS_LEFT_OUT, bool(rospy.get_param(_TOPICS_LEFT_OUT, False)))
 
@@ -70,7 +70,7 @@ class _NoFile(logging.NullHandler):
 
 @contextmanager
 def _possible_log_file() -> Iterator[None]:
-    """Yields a context in which no log file is made if it could not be opened.
+    """Provides a context in which rospy makes no log file if such a file cannot be opened.
 
     Without a folder for the file, rospy would set up no log at all. Then the node could not even
     report on its console why it cannot work. So rospy gets a folder that exists, but writes nothing

@@ -1,4 +1,4 @@
-"""Limits log messages that strangers or robots can cause, so that they cannot fill a disk."""
+"""Limits the log messages that strangers or robots can cause, so that these cannot fill a disk."""
 from __future__ import annotations
 
 import threading
@@ -23,7 +23,8 @@ class LogThrottle:
         self._kinds: Dict[str, _Kind] = {}
 
     def pass_on(self, kind: str, message: str) -> Optional[str]:
-        """Returns the message to log, with the number of those left out before; None: log nothing.
+        """Returns the message to log, with the number of messages left out before; None: log
+        nothing.
         """
         with self._lock:
             now = self._clock()

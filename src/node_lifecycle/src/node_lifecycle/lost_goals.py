@@ -10,7 +10,7 @@ from typing import Any, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState
 
-STATUSES_WAITED = 5  # statuses of the server; a goal or a result must arrive before so many
+STATUSES_WAITED = 5  # a goal or a result must arrive before the server has sent more statuses
 
 
 class Loss(Enum):

@@ -1,8 +1,8 @@
 """Registers the node and its parameters again after a restart of the ROS master.
 
-Without this a node keeps its present connections, but no new node finds it. The master is asked for
-a service of the node, not for the node itself: rospy reads a parameter at each log line, and then a
-new master knows the node, but not its topics and services.
+Without this module, a node keeps its present connections, but new nodes cannot find it. To check,
+this module asks the master for a service of the node, not for the node itself: rospy reads a
+parameter at each log line, which makes a new master know the node, but not its topics and services.
 """
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ class NodeAtMaster(Protocol):
 class MasterWatch:
     """Checks repeatedly whether the master knows this node.
 
-    A master may end while the node registers. So a registration is repeated until it is complete.
+    A master may end while the node registers. So the registrations are repeated until the master
+    knows all of them.
     """
 
     def __init__(self, node: NodeAtMaster) -> None:
@@ -98,7 +99,7 @@ class ThisNode:
         return True
 
     def restore(self) -> None:
-        """See NodeAtMaster. Parameters come first, because a registered node counts as complete."""
+        """See NodeAtMaster. Sets parameters first, because a registered node counts as complete."""
         self._parameters.set_missing(self._master)
         listeners = get_registration_listeners()
         for kind, name, type_or_uri in _registrations():

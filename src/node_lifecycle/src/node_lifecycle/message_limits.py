@@ -1,4 +1,4 @@
-"""The largest messages that nodes of this workspace read, in bytes, for every type they receive.
+"""The size limit, in bytes, of each message type that nodes of this workspace receive.
 
 A limit is several times the largest message that a large site sends (200 robots, a graph of 60,000
 vertices and edges). A larger message is a mistake or an attack. It would delay the node that reads
@@ -26,7 +26,7 @@ MAP = 100_000_000 + POINT
 """The largest map that `map_visualisation` publishes, one byte for each cell."""
 
 OTHER = FLEET
-"""The limit of other types: only the configuration of a site can name them."""
+"""The limit of all other types: nodes receive these only if a site's configuration names them."""
 
 LIMITS: Dict[str, int] = {
     'actionlib_msgs/GoalID': POINT,

@@ -1,4 +1,4 @@
-"""Logs what is ready, so that people know when they may begin."""
+"""Logs a line that says what is ready, so that people know when they may begin."""
 from __future__ import annotations
 
 import rospy

@@ -14,8 +14,8 @@ _MOST_BYTES = 1000
 def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
     """Returns the password in a file. Raises ConfigurationError, whose text has no password.
 
-    what      -- whose password it is, as a text for people
-    is_secret -- warn if others can read the file
+    what      -- name of the password, as a text for people
+    is_secret -- whether to log a warning if other users can read the file
     """
     try:
         password = _content(path).strip()

@@ -1,6 +1,6 @@
 """rosmaster: a ROS master that refuses web browsers; it takes the arguments of ROS's own rosmaster.
 
-roslaunch and roscore find this program in PATH before the one of ROS.
+roslaunch and roscore find this program in PATH before ROS's own rosmaster.
 """
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Finds the message types that the nodes of this workspace receive, in their source code.
 
-The code of a node passes a type that it receives on as a value: to a Subscriber, to an action, or
-in a table of such types. A type that is only called, published or named in annotations does not
-count.
+If a node receives a type, its code passes the type as a value: to a Subscriber, to an action, or in
+a table of such types. A type that is only called, published or named in annotations does not count.
 """
 from __future__ import annotations
 
@@ -38,7 +37,7 @@ def received_types() -> Dict[str, str]:
 
 
 def _passed_on(tree: ast.AST) -> Iterator[str]:
-    """Yields the full names of imported message classes that the module passes on as values."""
+    """Yields the full names of imported message classes that the module passes as values."""
     imported = {(name.asname or name.name): f'{node.module}.{name.name}'
                 for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
                 if (node.module or '').split('.')[-1] in ('msg', 'srv') for name in node.names}
@@ -52,7 +51,7 @@ def _passed_on(tree: ast.AST) -> Iterator[str]:
 
 
 def _without_values(node: ast.AST) -> Tuple[ast.AST, ...]:
-    """Returns the parts of a node of the syntax tree in which no class is passed on."""
+    """Returns those parts of a syntax tree's node in which no class is passed as a value."""
     if isinstance(node, ast.Call):
         name = getattr(node.func, 'attr', getattr(node.func, 'id', ''))
         return (node.func, *node.args) if name in _SENDERS else (
@@ -69,7 +68,8 @@ def _without_values(node: ast.AST) -> Tuple[ast.AST, ...]:
 
 
 def _messages(name: str) -> Iterator[str]:
-    """Yields the types on the wire for the class of a message, service or action."""
+    """Yields the types of the transmitted messages for the class of a message, service or action.
+    """
     module, _, kind = name.rpartition('.')
     cls: Any = getattr(import_module(module), kind)
     if hasattr(cls, '_request_class'):

@@ -29,7 +29,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / 'package.xml'
 TOPIC = '/topic'
 SHARES = (0.5, 1, 10)
 PIECE = 2 ** 16  # bytes in one piece from a socket
-#: Types that are passed on as values, but only as parts of messages or for publishers.
+#: Types that are passed as values, but are only parts of messages, or only published.
 NOT_RECEIVED = {'itrci_nav_msgs/DeviceUse', 'itrci_nav_msgs/Edge', 'itrci_nav_msgs/EdgeState',
                 'itrci_nav_msgs/StepParameter', 'itrci_nav_msgs/StepState', 'itrci_nav_msgs/Vertex',
                 'omron_ld90_msgs/LastCommand',
@@ -58,7 +58,7 @@ def class_of(message_type: str) -> Any:
 
 
 def framed(message: Any, size: int) -> bytes:
-    """Returns a message as on the wire, made longer so that it has `size` bytes."""
+    """Returns a message as it is transmitted, made longer so that it has `size` bytes."""
     return b''.join(wire(message, size))
 
 
@@ -75,7 +75,7 @@ def wire(message: Any, size: int) -> Iterator[bytes]:
 
 def received(cls: Any, pieces: Iterable[bytes]) -> Tuple[List[Any], int]:
     """Returns the messages that a subscriber reads from a stream, and the largest number of bytes
-    that it collects.
+    that the subscriber collects.
     """
     protocol = TCPROSSub(TOPIC, cls)
     buffer, messages, most = io.BytesIO(), [], 0
@@ -111,8 +111,8 @@ def test_the_table_has_no_type_that_nobody_receives():
 
 
 def test_the_package_declares_the_messages_of_its_table():
-    """Without these dependencies the tests could not run alone. At run time, a node reads only
-    types that its own package declares.
+    """Without these dependencies in package.xml, the tests of this package could not run alone. At
+    run time, a node reads only types that its own package declares.
     """
     declared = re.findall(r'_depend>(\w+)<', PACKAGE.read_text(encoding='utf-8'))
     assert {message_type.split('/')[0] for message_type in LIMITS} <= set(declared)

@@ -19,7 +19,7 @@ class Clocks:
         self.watch = ClockWatch(lambda: self.ros, lambda: self.monotonic)
 
     def status(self, after: float, ros: float) -> DiagnosticStatus:
-        """Returns the status after `after` s more, at the ROS time `ros`."""
+        """Returns the status `after` s later, when the ROS time is `ros`."""
         self.monotonic += after
         self.ros = ros
         status = DiagnosticStatusWrapper()

@@ -1,4 +1,4 @@
-"""A diagnostics task that fails reports it, and stops no other task."""
+"""A diagnostics task that fails reports the failure, and stops no other task."""
 from __future__ import annotations
 
 from typing import List

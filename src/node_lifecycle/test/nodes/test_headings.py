@@ -24,7 +24,7 @@ def test_a_heading_comes_back_from_its_quaternion(yaw, turns):
 
 def test_roll_and_pitch_do_not_change_the_heading():
     roll = 0.2
-    assert yaw_from_quaternion(Quaternion(  # yaw 90 degrees after that roll
+    assert yaw_from_quaternion(Quaternion(  # a roll, then a yaw of 90 degrees
         math.sin(roll / 2.0) * math.sqrt(0.5), math.sin(roll / 2.0) * math.sqrt(0.5),
         math.cos(roll / 2.0) * math.sqrt(0.5), math.cos(roll / 2.0) * math.sqrt(0.5)
     )) == pytest.approx(math.pi / 2.0)

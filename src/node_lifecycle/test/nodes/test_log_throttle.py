@@ -1,4 +1,4 @@
-"""Few messages of a kind are logged, and suppressed ones are counted."""
+"""Few messages of each kind are logged; the other messages are counted."""
 from __future__ import annotations
 
 from node_lifecycle.log_throttle import BURST, PERIOD, LogThrottle

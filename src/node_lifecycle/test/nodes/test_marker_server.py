@@ -1,4 +1,4 @@
-"""The order in which RViz receives handles."""
+"""The order in which RViz receives updates and keep-alives of handles."""
 from __future__ import annotations
 
 import threading

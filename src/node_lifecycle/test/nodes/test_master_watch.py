@@ -1,4 +1,4 @@
-"""A node registers again if the master does not know it, and only then."""
+"""A node registers again only if the master does not know it."""
 from __future__ import annotations
 
 from typing import List
@@ -13,7 +13,8 @@ from node_lifecycle.master_watch import MasterWatch, ThisNode
 
 
 class Master:
-    """A master that knows two registrations of the node, one of them, or none; or that is away."""
+    """A master that knows two, one or none of the node's two registrations, or that does not run.
+    """
 
     def __init__(self, known: int = 2, there: bool = True) -> None:
         self.known = known
@@ -35,7 +36,7 @@ class Master:
     def restore(self) -> None:
         self._answer(True)
         self.restored += 1
-        # the first of the two registrations has reached the master before
+        # the first of the two registrations reached the master before its end
         self.known = 1 if self.ends_in_between else 2
 
 
@@ -113,7 +114,7 @@ def rosmaster(monkeypatch) -> Rosmaster:
 
 
 def test_a_line_of_the_log_makes_no_node_known(rosmaster):
-    rosmaster.nodes.append('/me')  # a master does this for a node that asks it for a parameter
+    rosmaster.nodes.append('/me')  # a real master adds a node that asks for a parameter
     watch = MasterWatch(ThisNode(rosmaster, KeptParameters()))
     assert watch.register_again()
     assert {name for _, _, name in rosmaster.registered} == {

@@ -1,4 +1,4 @@
-"""A reader ignores a measurement out of range with a warning, and never moves it to a limit."""
+"""A reader ignores a measurement out of range, with a warning, and never replaces it by a limit."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""One thread makes the calls of a node in order, and its ticks between them."""
+"""One thread makes the queued calls of a node in order, and calls `tick` between them."""
 from __future__ import annotations
 
 import threading

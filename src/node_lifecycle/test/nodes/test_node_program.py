@@ -1,4 +1,4 @@
-"""A node's program, and a command, ends on Ctrl-C from its first line on."""
+"""Ctrl-C ends a node's program, and a command, from its first line on."""
 from __future__ import annotations
 
 import signal

@@ -1,4 +1,4 @@
-"""Another program recognises the line that says what is ready."""
+"""Another program can recognise the line that a node logs when it is ready."""
 from __future__ import annotations
 
 import io

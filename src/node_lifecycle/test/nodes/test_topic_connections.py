@@ -1,4 +1,4 @@
-"""The topic connections of rospy if many nodes start at once."""
+"""rospy's topic connections work even if many nodes start at once."""
 from __future__ import annotations
 
 import socket
@@ -29,7 +29,7 @@ class Subscriber:
         self.asking = threading.Semaphore(0)
 
     def connect(self, topic: str, publisher: str) -> None:
-        """Stands for the function that rospy calls `_connect_topic`."""
+        """Replaces rospy's function `_connect_topic`."""
         if publisher in self.made:
             return
         self.asked[publisher] = self.asked.get(publisher, 0) + 1
@@ -68,7 +68,7 @@ def test_a_publisher_that_does_not_answer_keeps_no_other_one_waiting():
 def test_many_connections_may_wait_for_a_node_that_is_busy(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv('ROS_IP', '127.0.0.1')
     topic_connections.mend()
-    server = TCPServer(lambda *_: None)  # it does not run, so it accepts no connection
+    server = TCPServer(lambda *_: None)  # the server does not run, so it accepts no connection
     with ExitStack() as stack:
         stack.callback(server.server_sock.close)
         for _ in range(MANY):

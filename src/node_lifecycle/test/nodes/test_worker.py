@@ -1,4 +1,4 @@
-"""If a thread fails without which a node cannot work, the process ends."""
+"""The process ends if a thread fails that the node cannot do without."""
 from __future__ import annotations
 
 from typing import Callable, List

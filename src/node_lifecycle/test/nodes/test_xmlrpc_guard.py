@@ -14,8 +14,9 @@ import rosgraph.xmlrpc
 import xmlrpc_guard
 from xmlrpc_guard import GuardedRequestHandler, guard_servers
 
-#: Headers that Chromium adds to `fetch(url, {method: 'POST', mode: 'no-cors', body: text})`. It
-#: leaves out Sec-Fetch-* if the address is not "potentially trustworthy", that is, not loopback.
+#: Headers that Chromium adds to `fetch(url, {method: 'POST', mode: 'no-cors', body: text})`.
+#: Chromium leaves out Sec-Fetch-* if the address is not "potentially trustworthy", i.e. not
+#: loopback.
 FETCH = {'Content-Type': 'text/plain;charset=UTF-8', 'Origin': 'http://evil.example',
          'Sec-Fetch-Site': 'cross-site', 'Sec-Fetch-Mode': 'no-cors', 'Sec-Fetch-Dest': 'empty',
          'Accept': '*/*', 'Referer': 'http://evil.example/', 'User-Agent': 'Mozilla/5.0'}
@@ -72,7 +73,7 @@ def _port(server, monkeypatch) -> int:
 
 
 def sent(port: int, headers: Dict[str, str], method: str = 'POST', call: str = 'setParam') -> int:
-    """Sends the call as a browser would. Returns the status of the answer."""
+    """Sends the call as a browser would send it. Returns the status of the answer."""
     connection = http.client.HTTPConnection('127.0.0.1', port, timeout=10)
     try:
         connection.request(method, '/', xmlrpc.client.dumps(CALLS[call], call), headers)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-STANDING = 3.0 / 3600.0    # per cent of a full battery per second, as the next two
+STANDING = 3.0 / 3600.0    # per cent of a full battery per second, like the next two constants
 DRIVING = 12.0 / 3600.0
 CHARGING = 60.0 / 3600.0
 

@@ -1,4 +1,6 @@
-"""A line protocol on loopback: the answer to `where` is JSON; each other line injects a fault."""
+"""The control port of simulated AGVs on loopback: `where` asks for poses, all other lines inject
+faults.
+"""
 from __future__ import annotations
 
 import json
@@ -10,7 +12,7 @@ from typing import Callable, Mapping
 from browser_guard import is_http_request
 
 LONGEST_LINE = 1000  # bytes
-QUIET = 60.0         # s; a connection without a line for so long is closed
+QUIET = 60.0         # s; a connection on which no line comes for this time is closed
 
 
 class AgvControlServer(socketserver.ThreadingTCPServer):
@@ -47,7 +49,7 @@ class _Conversation(socketserver.StreamRequestHandler):
 
     def handle(self) -> None:
         assert isinstance(self.server, AgvControlServer)
-        waiting = selectors.DefaultSelector()  # a wait that the watchdog does not regard as a hang
+        waiting = selectors.DefaultSelector()  # the watchdog does not report this wait as a hang
         waiting.register(self.connection, selectors.EVENT_READ)
         try:
             is_first = True

@@ -4,8 +4,9 @@ If the next edge has another direction, the vehicle stops and turns on the spot.
 drive backwards turns by at most 90 degrees, until its front or its rear is ahead. No vehicle stops
 between edges that continue smoothly.
 
-Between two events the motion is known in closed form (`phases`). It is computed anew when the
-path or the pace changes, or the vehicle is held. So one call may simulate a long time.
+Between two events the motion is known in closed form (`phases`), so one call may simulate a long
+time. The phases are computed anew when the path or the pace changes, and when a hold begins or
+ends.
 Units are m, s and rad.
 """
 from __future__ import annotations
@@ -27,11 +28,9 @@ _TOGETHER = 1e-9   # s; a shorter time counts as zero
 class AgvMotion:
     """The motion of one vehicle along a path of signed edges.
 
-    Place, speed and heading change together.
-
     path, index  -- edges in driving order; index of the present edge, len(path) at the end
     arc          -- m from the start of the present edge
-    vertex       -- vertex on which it stands; None between vertices and while it moves
+    vertex       -- vertex on which the vehicle stands; None between vertices and while it moves
     """
 
     def __init__(self, graph: Graph, limits: DriveLimits, speeds: SpeedLimits,
@@ -46,8 +45,8 @@ class AgvMotion:
         self.pace = 1.0
         """Factor on all speeds, above 0 and at most 1."""
         self.driven = 0.0
-        """m that it has driven so far."""
-        self._phases: List[DrivePhase] = []   # of the motion until it stands, or of a turn
+        """Distance (m) driven so far."""
+        self._phases: List[DrivePhase] = []   # of the motion up to the next stop, or of a turn
         self._cause: Optional[Tuple[object, ...]] = None  # inputs of the phases
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
@@ -55,7 +54,9 @@ class AgvMotion:
 
     @property
     def edge(self) -> Optional[int]:
-        """The signed id of the present edge, at the end the last edge; None: there is no path."""
+        """The signed id of the present edge, or of the last edge at the end; None: there is no
+        path.
+        """
         return self.path[min(self.index, len(self.path) - 1)] if self.path else None
 
     @property
@@ -79,14 +80,16 @@ class AgvMotion:
         return x, y, self.heading
 
     def can_follow(self, path: Sequence[int], index: int, arc: float) -> bool:
-        """Returns whether it can follow this path from its present speed: the distance is long
-        enough to brake for each speed limit ahead.
+        """Returns whether the vehicle can follow this path from its present speed: it has enough
+        distance to brake for each speed limit ahead.
         """
         return all(self.speed ** 2 <= limit ** 2 + 2.0 * self.limits.braking * distance + _EXACT
                    for distance, limit in self._ahead(path, index, arc, self._braking_distance()))
 
     def follow(self, path: Sequence[int], index: int, arc: float) -> None:
-        """Replaces the path. The vehicle is `arc` m along its edge `index`, or at its end."""
+        """Replaces the path. The vehicle is `arc` m along edge `index` of the new path, or at the
+        path's end.
+        """
         goes_on = not self.at_end and index < len(path) and path[index] == self.edge
         self.path, self.index, self.arc = tuple(path), index, arc
         self._cause = None
@@ -98,9 +101,9 @@ class AgvMotion:
         self.speed, self._cause = 0.0, None
 
     def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> float:
-        """Simulates the next `seconds`. With `hold` it brakes to a stop, with `emergency` harder.
+        """Simulates the next `seconds`; returns for how many of them the vehicle moved.
 
-        Returns for how many of these `seconds` it moved.
+        With `hold` the vehicle brakes to a stop. If `emergency` is also true, it brakes harder.
         """
         left = seconds
         while left > _TOGETHER and self._wants_to_move(hold):
@@ -109,7 +112,9 @@ class AgvMotion:
         return seconds - max(left, 0.0)
 
     def next_event(self, hold: bool = False, emergency: bool = False) -> float:
-        """Returns the seconds until it ends a turn, passes a vertex or stops; inf: it stands."""
+        """Returns the seconds until the vehicle ends a turn, passes a vertex or stops; inf: it
+        stands.
+        """
         if not self._wants_to_move(hold):
             return math.inf
         self._compute(hold, emergency)
@@ -119,9 +124,9 @@ class AgvMotion:
         return max(end, 2.0 * _TOGETHER)
 
     def seconds_until(self, distance: float) -> float:
-        """Returns the seconds until it has driven this distance (m) in its present motion.
+        """Returns the seconds until the vehicle has driven this distance (m) in its present motion.
 
-        Infinite: it stops before that, or has to turn first.
+        Infinite: the vehicle stops earlier, or must turn before it drives.
         """
         if self._cause is None or self._turn_to is not None:
             return math.inf
@@ -137,7 +142,7 @@ class AgvMotion:
         return not self.at_rest or not hold and not (self.at_end and self._turn_to is None)
 
     def _compute(self, hold: bool, emergency: bool) -> None:
-        """Computes the phases of its motion, unless their inputs are unchanged."""
+        """Computes the phases of the motion, unless the inputs of the phases are unchanged."""
         turns = self._turns
         cause = hold, hold and emergency, turns, self.pace, self.path, self.speeds
         if cause == self._cause:
@@ -183,7 +188,9 @@ class AgvMotion:
         return done
 
     def _end_phases(self, turns: bool, hold: bool) -> None:
-        """Notes that it stands: it has ended its turn, has arrived at its stop, or is held."""
+        """Notes that the vehicle stands: its turn has ended, it has arrived at a stop, or it is
+        held.
+        """
         self._cause = None
         if turns:
             self._turn_rate = 0.0
@@ -206,7 +213,7 @@ class AgvMotion:
         return self.graph.curve(self.path[self.index]).length
 
     def _stops_behind(self, index: int) -> bool:
-        """Returns whether it stops at the end of this edge of its path."""
+        """Returns whether the vehicle stops at the end of the edge with this index in its path."""
         return index + 1 == len(self.path) or (
             self.speeds.stops_between(*self.path[index:index + 2]))
 
@@ -256,7 +263,9 @@ class AgvMotion:
             self.index += 1
 
     def _arrive(self) -> None:
-        """Notes that it stands at the end of its edge, and begins the turn to the next edge."""
+        """Notes that the vehicle stands at the end of its edge, and begins the turn to the next
+        edge.
+        """
         length = self._length
         self.index += 1
         self.arc, self.speed, self._cause = 0.0, 0.0, None
@@ -265,7 +274,9 @@ class AgvMotion:
             self._face_ahead()
 
     def _face_along(self, edge: int, arc: float) -> None:
-        """Sets the heading to the direction of an edge at `arc`, or the opposite for backwards."""
+        """Sets the heading to the direction of an edge at `arc`, or to the opposite if the rear is
+        ahead.
+        """
         ahead = self.graph.curve(edge).heading_at(arc)
         self.heading = angle_between(math.pi if self._backwards else 0.0, ahead)
 
@@ -282,7 +293,9 @@ class AgvMotion:
                            else self.graph.start_vertex(edge)).id
 
     def _face_ahead(self) -> None:
-        """Chooses whether front or rear is ahead on the next edge, and the heading to turn to."""
+        """Chooses whether the front or the rear is ahead on the next edge, and sets the heading for
+        it.
+        """
         ahead = self.graph.curve(self.path[self.index]).heading_at(self.arc)
         self._backwards = self.limits.reverses and abs(
             angle_between(self.heading, ahead)) > math.pi / 2.0

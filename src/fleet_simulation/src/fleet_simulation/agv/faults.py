@@ -1,4 +1,6 @@
-"""Faults of AGVs that one line of text requests. The help text is made from the same table."""
+"""Faults of AGVs, each requested by one line of text. The table of faults also yields the help
+text.
+"""
 from __future__ import annotations
 
 import math

@@ -1,6 +1,7 @@
-"""Motion in phases of constant acceleration, in closed form: drives along speed limits, and turns.
+"""Computes motion in closed form as phases of constant acceleration: drives with speed limits,
+turns.
 
-Units are m, s and rad; for a turn read rad instead of m.
+Units are m and s; for a turn, rad replaces m.
 """
 from __future__ import annotations
 
@@ -52,7 +53,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     stretches -- length (m) and speed limit (m/s) of each
     speed     -- m/s at the begin
     """
-    # the highest squared speed at the end of each stretch for braking in time, the last end first
+    # the highest squared speed at each stretch's end that still allows braking, the last end first
     ends = [0.0]
     for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
         ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
@@ -75,7 +76,8 @@ def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]
 
 
 def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
-    """Returns the seconds until this distance (m) is driven. Infinite: it stops before that."""
+    """Returns the seconds until this distance (m) is driven. Infinite: the motion ends before that.
+    """
     passed = 0.0
     for phase in phases:
         whole = phase.distance_after(phase.seconds)
@@ -88,7 +90,7 @@ def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
 
 def _over(length: float, limit: float, speed: float, end: float, acceleration: float,
           braking: float) -> List[DrivePhase]:
-    """Returns the motion over one stretch; `end`: highest squared speed at its end."""
+    """Returns the motion along one stretch; `end`: highest squared speed (m2/s2) at its end."""
     if length <= _NONE:
         return []
     phases: List[DrivePhase] = []
@@ -100,7 +102,7 @@ def _over(length: float, limit: float, speed: float, end: float, acceleration: f
         phases.append(DrivePhase((speed - limit) / braking, speed, -braking))
         length -= (square - limit * limit) / (2.0 * braking)
         speed, square = limit, limit * limit
-    # the speed at which acceleration and braking meet, without the limit
+    # the squared speed at which braking must follow acceleration if there is no limit
     peak = (2.0 * acceleration * braking * length + braking * square + acceleration * end) / (
         acceleration + braking)
     fastest = square + 2.0 * acceleration * length

@@ -1,4 +1,5 @@
-"""The rules of docs/reference/route_protocol.md that only a vehicle itself can judge."""
+"""Checks orders with the rules of docs/reference/route_protocol.md that only a vehicle can check.
+"""
 from __future__ import annotations
 
 from typing import Tuple
@@ -47,7 +48,7 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
     """Returns whether a new route without numbers begins with the edge that the vehicle has just
     left.
 
-    This happens if the order and a report were on their way at the same time.
+    This happens if the master sent the order before it received the newest report.
     """
     done = state.completed
     return (state.is_running and done > 0 and edges[0] != state.edges[done]
@@ -57,7 +58,8 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
 def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) -> float:
     """Returns how far (m) along the first of these edges the vehicle is now.
 
-    Raises RouteRefused if it is neither at the start of this edge nor on it, or cannot brake.
+    Raises RouteRefused if the vehicle is neither at the start of this edge nor on it, or if it
+    cannot brake in time.
     """
     first = edges[0]
     going_on = drive.arc if first == drive.edge and not drive.at_end else None

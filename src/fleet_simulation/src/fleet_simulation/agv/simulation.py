@@ -10,7 +10,7 @@ from fleet_simulation.agv.speed_limits import DriveLimits
 from fleet_simulation.agv.vehicle import AgvVehicle
 from trajectory_graph import Graph
 
-LONGEST_STEP = 1.0  # s of wall time; if more has passed, a step simulates only this
+LONGEST_STEP = 1.0  # s of wall time; if more time has passed, a step simulates only this much
 
 
 class Simulation:
@@ -18,7 +18,7 @@ class Simulation:
 
     def __init__(self, graph: Graph, robots: Iterable[Robot], draw: Callable[[], int],
                  clock: Callable[[], int], speed: float = 1.0) -> None:
-        """`speed` is a factor on the clock; `draw` and `clock` are those of `AgvVehicle`."""
+        """`speed` is the simulated time per wall time; AgvVehicle describes `draw` and `clock`."""
         self.time = 0.0
         self.speed = speed
         self.vehicles: Dict[str, AgvVehicle] = {
@@ -28,7 +28,7 @@ class Simulation:
             for robot in robots}
 
     def advance(self, wall_seconds: float, stamp: int) -> None:
-        """Simulates the next `wall_seconds`; all poses get the stamp `stamp` then."""
+        """Simulates the next `wall_seconds`; the poses at the end get the stamp `stamp`."""
         seconds = min(wall_seconds, LONGEST_STEP) * self.speed
         self.time += seconds
         for vehicle in self.vehicles.values():

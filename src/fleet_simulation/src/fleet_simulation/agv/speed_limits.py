@@ -22,9 +22,9 @@ Stretch = Tuple[float, float]
 class DriveLimits:
     """The limits of a vehicle's drive; m/s, m/s2, rad/s, rad/s2.
 
-    turn_rate, turn_acceleration -- for turns on the spot
-    bend_rate -- for turns while it drives; it limits the speed in bends
-    reverses  -- whether it can drive backwards, so that it turns by 90 degrees at most
+    turn_rate, turn_acceleration -- of turns on the spot
+    bend_rate -- highest turn rate while the vehicle drives; limits the speed in bends
+    reverses  -- whether the vehicle can drive backwards, so that it turns by 90 degrees at most
     """
 
     speed: float = 1.0
@@ -50,18 +50,16 @@ class SpeedLimits:
         return self._edge_speed(edge) > 0.0
 
     def along(self, edge: int) -> List[Stretch]:
-        """Returns the stretches of a signed edge, from its start.
+        """Returns the stretches of a signed edge, in driving order.
 
-        Each ends where the next one begins.
+        Each stretch ends where the next one begins.
         """
         if edge not in self._stretches:
             self._stretches[edge] = self._compute(edge)
         return self._stretches[edge]
 
     def stops_between(self, edge: int, following: int) -> bool:
-        """Returns whether a vehicle must stop at the vertex between two edges,
-        to turn or to reverse.
-        """
+        """Returns whether a vehicle must stop between two edges, to turn or to reverse."""
         key = edge, following
         if key not in self._corners:
             self._corners[key] = abs(angle_between(
@@ -91,5 +89,7 @@ class SpeedLimits:
 
 
 def angle_between(first: float, second: float) -> float:
-    """Returns the angle (rad, -pi..pi) to turn by from the direction `first` to `second`."""
+    """Returns the angle (rad, -pi..pi) of the turn from the direction `first` to the direction
+    `second`.
+    """
     return (second - first + math.pi) % (2.0 * math.pi) - math.pi

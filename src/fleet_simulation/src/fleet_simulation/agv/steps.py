@@ -1,7 +1,7 @@
-"""The steps of one simulated AGV: its memory of them, their duration, and scripted faults.
+"""The steps of one simulated AGV: what it remembers of them, their durations, and faults on demand.
 
-Every type of step is carried out. A step takes its parameter `seconds`, or `SECONDS` without this
-parameter, unless the simulation draws the duration itself.
+Every type of step is carried out. Its duration is the parameter `seconds`, or `SECONDS` without
+this parameter. A simulation may draw the duration instead.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def asked_seconds(command: StepCommand) -> float:
 class SimulatedSteps:
     """Carries out the steps of one AGV.
 
-    draw    -- returns the number of a new run, at each start of the AGV's driver
+    draw    -- returns the number of a new run; called at each start of the AGV's driver
     seconds -- returns the seconds that the step of a command takes
     """
 
@@ -103,6 +103,6 @@ class SimulatedSteps:
         self._faults += [word] * count
 
     def restart(self) -> None:
-        """Restarts the driver. It forgets its steps, and breaks off the running steps."""
+        """Restarts the driver, which forgets its steps and breaks off the running ones."""
         self._state = ActorState(max(self._draw(), self._state.run + 1))
         self._running.clear()

@@ -1,10 +1,11 @@
 """One simulated AGV: it takes orders, drives and reports, and can have faults.
 
-States: its `motion`. In addition it may be off the graph, in emergency stop, or silent.
+States: the AGV's `motion`. In addition the AGV may be off the graph, in emergency stop, or silent.
 `route_protocol.vehicle` has the states of its route.
 Events: an order, time, a fault, an act of a person or of another program, another graph.
-Invariants: at most one giver drives it. If another giver moves or stops it, a new epoch begins, so
-orders that are on their way are refused. It reports at once if more than its place has changed.
+Invariants: At most one giver drives the AGV. If another giver moves or stops it, a new epoch
+begins, so orders that are on their way are refused. The AGV reports at once if more than its place
+has changed.
 """
 from __future__ import annotations
 
@@ -45,7 +46,7 @@ from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
-MOVED_FOR = 1.0  # s after a push, in which it reports that a person moves it
+MOVED_FOR = 1.0  # s after a push in which the AGV reports that a person moves it
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
@@ -57,12 +58,12 @@ class AgvVehicle:
 
     `handle` takes orders, `advance` simulates time, and `new_messages` returns the AGV's messages.
     Times are in s of the simulation; the caller gives the stamps. `route_protocol.vehicle` decides
-    which orders count; this class decides whether the AGV can drive an order from its place.
-    Orders, time, faults and people all change the same route, place and epoch, so they are in one
-    class.
+    which orders count; this class decides whether the AGV can drive an order from its place. One
+    class handles orders, time, faults and people, because all of them change the same route, place
+    and epoch.
 
-    draw  -- returns the number of a new epoch, which was never used before
-    clock -- returns ms since 1970, a lower limit for the numbers of reports
+    draw  -- returns the number of a new epoch, different from all earlier ones
+    clock -- returns ms since 1970; the numbers of reports are not lower than this
     """
 
     def __init__(self, name: str, graph: Graph, vertex: int, draw: Callable[[], int],
@@ -78,7 +79,7 @@ class AgvVehicle:
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
         self._speed_limit = 0.0
-        """Speed (m/s) to which the last route limited it because of the load; 0: no limit."""
+        """Speed limit (m/s) of the last route because of the load; 0: no limit."""
         self._chargers = frozenset(chargers)
         self._off_graph: Optional[Tuple[float, float, float]] = None
         self._time = 0.0
@@ -110,12 +111,12 @@ class AgvVehicle:
 
     @property
     def silent(self) -> bool:
-        """Whether it neither receives nor reports."""
+        """Whether the AGV neither receives nor reports."""
         return self._time < self._silent_until
 
     @property
     def motion(self) -> Motion:
-        """Whether it moves, and which program or person moves it."""
+        """Whether the AGV moves, and because of which giver."""
         if self.running:
             return Motion.ON_ROUTE
         if self._driven_by_hand or self._time < self._moved_until:
@@ -128,7 +129,7 @@ class AgvVehicle:
 
     @property
     def _unready(self) -> ReasonCode:
-        """The reason why it refuses every route now; NONE: there is no reason."""
+        """The reason why the AGV refuses every route now; NONE: it does not refuse every route."""
         if self.emergency:
             return ReasonCode.EMERGENCY_STOP
         if self._off_graph is not None:
@@ -172,7 +173,7 @@ class AgvVehicle:
     def distance_to(self, number: int, fraction: float) -> float:
         """Returns the distance (m) to the point at `fraction` of an edge of its route.
 
-        Negative: it has passed this point. `number` is the edge's number in the route record.
+        Negative: the AGV has passed this point. `number` is the edge's number in the route record.
         """
         drive, at = self.drive, number - self._path_begins
         arcs = [drive.graph.curve(edge).length for edge in drive.path]
@@ -180,7 +181,7 @@ class AgvVehicle:
         return sum(arcs[:max(at, 0)]) + own - sum(arcs[:drive.index]) - drive.arc
 
     def advance(self, seconds: float, stamp: int) -> None:
-        """Simulates the next `seconds`; the pose gets the stamp `stamp` then."""
+        """Simulates the next `seconds`; the pose at their end gets the stamp `stamp`."""
         self.stamp = stamp
         end = self._time + seconds
         for pause in sorted((self._stalled_until, self._slow_until)):
@@ -190,7 +191,7 @@ class AgvVehicle:
         self._report_change()
 
     def _pass(self, seconds: float) -> None:
-        """Simulates a time in which it may drive throughout, or must stand throughout."""
+        """Simulates a time during which the AGV may drive throughout, or must stand throughout."""
         if self.battery.charge <= 0.0:
             self._lose_route(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
@@ -208,12 +209,13 @@ class AgvVehicle:
 
     @property
     def _holds(self) -> bool:
-        """Whether it must stand, or brake until it stands."""
+        """Whether the AGV must stand, or brake until it stands."""
         return not (self.running or self._driven_by_hand) or self._time < self._stalled_until
 
     @property
     def next_event(self) -> float:
-        """The seconds until its report may change by itself; until then only its place changes.
+        """The seconds until the AGV's report may change without an order or fault; until then only
+        the place changes.
 
         0: this time is unknown.
         """
@@ -234,8 +236,7 @@ class AgvVehicle:
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """Receives nothing and reports nothing for `seconds`, but drives on along its route.
-        """
+        """Receives nothing and reports nothing for `seconds`, but drives on along its route."""
         self._silent_until = self._time + seconds
 
     def leave(self) -> None:
@@ -267,14 +268,15 @@ class AgvVehicle:
         self._report_change()
 
     def take_over(self) -> None:
-        """Lets another program take it over and leave it standing: a running route fails."""
+        """Lets another program take over the AGV and leave it standing: a running route fails."""
         self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
         self._report_change()
 
     def drive_by_hand(self, edge: int) -> None:
-        """Lets another program drive it to the end of this edge (signed id); a running route fails.
+        """Lets another program drive the AGV to the end of this edge (signed id); a running route
+        fails.
 
-        Raises RouteRefused if it cannot drive this edge from where it is.
+        Raises RouteRefused if the AGV cannot drive this edge from its place.
         """
         order = RouteOrder(0, (edge,))
         self._check(order)
@@ -285,22 +287,22 @@ class AgvVehicle:
         self._report_change()
 
     def push_off_graph(self, metres: float) -> None:
-        """Lets a person push it to its left, off the graph: its route fails."""
+        """Lets a person push the AGV to its left, off the graph: its route fails."""
         x, y, heading = self.pose
         self.drive.stop_dead()
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
         self._moved_by_person(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 
     def put_on(self, vertex: int) -> None:
-        """Lets a person put it onto a vertex; a running route fails. Raises UnknownVertex."""
+        """Lets a person put the AGV onto a vertex; a running route fails. Raises UnknownVertex."""
         self.drive, self._off_graph = self._placed(self.drive.graph, vertex), None
         self._moved_by_person(TAKEN_OVER)
 
     def use_graph(self, graph: Graph) -> None:
         """Uses another graph from now on, at the present place.
 
-        The route continues if at most the speeds of its remaining edges have changed. Otherwise the
-        route fails.
+        The route continues if its remaining edges are unchanged, except for their speeds. Otherwise
+        it fails.
         """
         before, drive = self.drive.graph, self.drive
         ahead = drive.path[drive.index:]
@@ -318,7 +320,7 @@ class AgvVehicle:
     # --- internal ---------------------------------------------------------------------------------
 
     def _place_again(self, graph: Graph) -> None:
-        """Places it on another graph: on the vertex at its position, or off the graph."""
+        """Places the AGV on another graph: on the vertex at its position, or off the graph."""
         x, y, heading = self.pose
         nearest = min(graph.vertices.values(), key=lambda one: math.dist(one.position, (x, y)))
         self.drive = self._placed(graph, nearest.id)
@@ -336,8 +338,7 @@ class AgvVehicle:
         return SpeedLimits(graph, limits, self._obeys_edge_speed)
 
     def _check(self, order: RouteOrder) -> None:
-        """Raises RouteRefused for an order that the vehicle cannot drive now from any place.
-        """
+        """Raises RouteRefused for an order that the vehicle must refuse now, wherever it is."""
         if self.emergency:
             raise RouteRefused(EMERGENCY_STOP)
         check_order(order, self.drive)
@@ -363,7 +364,9 @@ class AgvVehicle:
         self._giver = due.order.master
 
     def _from_here(self, due: DueOrder) -> DueOrder:
-        """Returns an order without a number, cut by the edge that the vehicle has just left."""
+        """Returns an order without a number; if it begins with the edge that the vehicle has just
+        left, without this edge.
+        """
         if due.goes_on:
             if self.state.edges and not self.drive.path:
                 raise RouteRefused(_GRAPH_CHANGED)
@@ -381,7 +384,9 @@ class AgvVehicle:
         self._driven_by_hand = False
 
     def _begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
-        """Lets a running route fail; the AGV obeys no order that is still under way to it."""
+        """Begins a new epoch: a running route fails, and orders that are on their way to the AGV
+        are refused.
+        """
         self._lose_route(reason)
         self._intake.begin_epoch(cause, NO_REASON, self._time)
 
@@ -397,8 +402,8 @@ class AgvVehicle:
             self._messages.append(self.report())
 
     def _symbolic_pose(self) -> SymbolicPose:
-        """Returns the edge and the percentage of it. With a route, the edge has the ordered
-        direction, and without a route its forward direction.
+        """Returns the edge and the percentage of it. The direction of the edge is the ordered one
+        if there is a route, otherwise forward.
         """
         if self._off_graph is not None:
             return SymbolicPose()

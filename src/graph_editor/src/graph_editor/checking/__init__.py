@@ -1,1 +1,1 @@
-"""Checks a graph by itself and on its map; the results are findings with place and reason."""
+"""Checks a graph, alone and against its map. The results are findings with place and reason."""

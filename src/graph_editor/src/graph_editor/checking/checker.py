@@ -28,7 +28,7 @@ class Checker:
     """Checks graphs, and caches the findings about unchanged elements."""
 
     def __init__(self, rules: CheckRules, site: Optional[MappedSite] = None) -> None:
-        """Without a site only the graph itself is checked."""
+        """Without a site, only the graph itself is checked, not its place on the floor."""
         self.rules = rules
         self._site = site
         floor = None if site is None else site.floor
@@ -56,13 +56,13 @@ class Checker:
         self._vertex_findings = vertex_findings
 
     def of_edge(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
-        """Returns the findings about one edge alone."""
+        """Returns the findings that concern one edge, independently of other edges."""
         edge = draft.edges[id]
         return self._edge_findings(draft.vertices[edge.origin], draft.vertices[edge.destination],
                                    edge)
 
     def of_vertex(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
-        """Returns the findings about one vertex alone."""
+        """Returns the findings that concern one vertex, independently of other vertices."""
         return self._vertex_findings(draft.vertices[id])
 
     def all(self, draft: Draft) -> List[Finding]:
@@ -91,7 +91,8 @@ class Checker:
 
 def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float
                  ) -> Dict[int, float]:
-    """Returns the widest corridor (m, in whole cm) of each edge on which `corridor` does not fit.
+    """Returns for each edge that is too narrow for `corridor` the widest corridor that fits (m, in
+    whole cm).
     """
     widths = {}
     for id in graph.edges:

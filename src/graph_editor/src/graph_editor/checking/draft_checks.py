@@ -28,7 +28,9 @@ NAMED_LIKE_PLACE = 1.0  # m; largest distance between a place of the map and its
 
 @dataclass(frozen=True, eq=False)
 class DrawnEdge:
-    """The curve of an edge, also as a shapely line; an unchanged edge keeps the same object."""
+    """The curve of an edge, and the same curve as a shapely line. An unchanged edge keeps its
+    object.
+    """
 
     curve: Curve
     line: LineString
@@ -36,7 +38,8 @@ class DrawnEdge:
 
 
 Curves = Mapping[int, DrawnEdge]
-"""The curves by the ids of the edges. An edge without a curve is missing; `check_edge` reports it.
+"""The curves by the ids of the edges. An edge without a curve is left out; `check_edge` reports
+such an edge.
 """
 
 
@@ -93,9 +96,9 @@ def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Seq
 
 
 def _parts(draft: Draft) -> Iterable[Finding]:
-    """Yields findings for separate parts.
+    """Yields a finding for each part that no edges connect to the first part.
 
-    A vertex without edges is an error. Larger parts are warnings, because a graph may have two
+    A vertex without edges is an error. A larger part is a warning, because a graph may have two
     halls or floors.
     """
     first, *others = draft.parts()
@@ -110,7 +113,9 @@ def _parts(draft: Draft) -> Iterable[Finding]:
 
 
 def _one_way(draft: Draft) -> Iterable[Finding]:
-    """Yields findings for vertices that robots cannot reach or leave because of velocities of 0."""
+    """Yields findings for vertices that robots cannot reach or cannot leave, because velocities are
+    0.
+    """
     ways = nx.DiGraph()
     ways.add_nodes_from(draft.vertices)
     for edge in draft.edges.values():
@@ -150,7 +155,7 @@ def _docks(draft: Draft) -> Iterable[Finding]:
 
 
 def _crossings(draft: Draft, curves: Curves) -> Iterable[Finding]:
-    """Yields findings for edges that cross without a vertex."""
+    """Yields findings for edges that cross at a point without a vertex."""
     for a, b in _near_pairs(curves):
         one, other = draft.edges[a], draft.edges[b]
         shared = {one.origin, one.destination} & {other.origin, other.destination}

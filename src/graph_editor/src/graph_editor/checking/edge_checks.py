@@ -1,7 +1,7 @@
-"""Findings about one edge or vertex and the floor under it.
+"""Finds problems of one edge or vertex, and of the floor under it.
 
-They depend only on the arguments of these functions. So the findings about an unchanged element can
-be cached.
+The findings depend only on the arguments of these functions. So the findings about an unchanged
+element can be cached.
 """
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from graph_editor.robot import NEARLY_STRAIGHT
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
 STEP = 0.05  # m between the checked points of a curve
-GRAIN = 0.01  # m; a corridor may be this much too narrow, because the floor is not more accurate
+GRAIN = 0.01  # m, accuracy of the floor; a corridor may be too narrow by this much
 
 
 class Tightest(NamedTuple):
-    """The least clearance along an edge (m), and the place where it is."""
+    """The smallest clearance along an edge (m), and its place (x, y)."""
 
     clearance: float
     place: Tuple[float, float]
 
 
 def tightest(floor: Floor, points: np.ndarray) -> Tightest:
-    """Returns the point of `points` (N,2) with the least clearance."""
+    """Returns the point of `points` (N,2) with the smallest clearance."""
     clearances = floor.clearance_at(points)
     worst = int(np.argmin(clearances))
     return Tightest(float(clearances[worst]), (float(points[worst][0]), float(points[worst][1])))
@@ -89,7 +89,9 @@ def _narrow(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> Lis
 
 
 def _bent(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> List[Finding]:
-    """Returns a finding for the first stretch of an edge that bends without space to turn."""
+    """Returns a finding for the first stretch of an edge that bends where robots have no space to
+    turn.
+    """
     clearances = floor.clearance_at(points)
     narrow = clearances < rules.turning - GRAIN
     headings = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))

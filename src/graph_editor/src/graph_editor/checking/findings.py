@@ -10,7 +10,7 @@ class Severity(Enum):
     """The severity of a finding."""
 
     ERROR = 'error'
-    """Robots cannot drive on the graph as it is, or the loader refuses it."""
+    """Robots cannot drive on the present graph, or the loader refuses the graph."""
     WARNING = 'warning'
     """The graph can be used, but a person should know the problem."""
 
@@ -19,7 +19,7 @@ class Severity(Enum):
 class Finding:
     """One problem.
 
-    kind -- 'vertex', 'edge', 'place' (of the map), or '' if it concerns no element of the graph
+    kind -- 'vertex', 'edge', 'place' (of the map), or '' if the problem concerns no single element
     id   -- id of the vertex or edge, else None
     """
 

@@ -1,4 +1,4 @@
-"""Finds floor that robots reach and that is far from all edges; updates only changed parts."""
+"""Finds floor that robots can reach but that is far from all edges. Updates only changed parts."""
 from __future__ import annotations
 
 import math
@@ -41,7 +41,7 @@ class ServedFloor:
     def update(self, places: Collection[Place], paths: Mapping[int, np.ndarray]) -> None:
         """Sets the vertices (`places`) and edges (`paths`, (N,2)) that serve the floor.
 
-        A path that is the same object as before counts as unchanged.
+        A path counts as unchanged if it is the same object as at the last call.
         """
         reached = frozenset(map(self._part_near, places)) - {0}
         if reached != self._reached:
@@ -76,7 +76,8 @@ class ServedFloor:
     def _find_again(self, cells: np.ndarray) -> None:
         """Updates the served floor around changed `cells`.
 
-        Only cells within the reach can change. These depend on edges within twice the reach.
+        Only cells within `reach` of `cells` can change. They depend on the edges within twice this
+        distance.
         """
         mask, border = self.coverage.mask, int(math.ceil(self._reach / self.coverage.pitch)) + 1
         low, high = cells.min(axis=0), cells.max(axis=0) + 1

@@ -1,1 +1,1 @@
-"""The editing of a graph by a person, independent of ROS and of windows."""
+"""Lets a person edit a graph. This package does not depend on ROS or on windows."""

@@ -67,7 +67,9 @@ EDGE_MENU: Tuple[MenuItem, ...] = (
 
 
 def numbered(menu: Tuple[MenuItem, ...]) -> Tuple[List[Tuple[int, int, str]], Dict[int, MenuItem]]:
-    """Returns a menu in the form of RViz: (id, id of the parent or 0, title), and entries by id."""
+    """Returns a menu in RViz's form, rows (id, id of the parent or 0, title), and the entries by
+    their ids.
+    """
     rows: List[Tuple[int, int, str]] = []
     by_id: Dict[int, MenuItem] = {}
 

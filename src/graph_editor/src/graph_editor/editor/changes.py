@@ -1,4 +1,5 @@
-"""The changes of a draft by the menus of vertices and edges: one function for each action."""
+"""The changes that the menus of vertices and edges make in a draft: one function for each action.
+"""
 from __future__ import annotations
 
 import math
@@ -11,12 +12,13 @@ from trajectory_graph.editing import Draft, EditError
 DEFAULT_SPEED_BACK = 0.3  # m/s, for an edge without speeds that becomes two-way
 
 Change = Callable[[Draft, int, float], Draft]
-"""A function of a draft, the id of the menu's element, and the action's argument; it returns the
-changed draft."""
+"""Changes a draft. Arguments: the draft, the id of the menu's vertex or edge, the action's
+argument.
+"""
 
 
 def facing_away(draft: Draft, id: int) -> Draft:
-    """Turns a new vertex to the direction of the edge that leads to it."""
+    """Turns a new vertex into the direction of the edge that leads to it."""
     edge = draft.edges[draft.edges_at(id)[-1]]
     origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     return editing.turn_vertex(draft, id, math.atan2(destination.y - origin.y,

@@ -1,7 +1,7 @@
 """An editing session: the draft, the selection, the file, and the effects of clicks and menus.
 
 The module does not depend on ROS, RViz or windows. `said` is the message to the person: the last
-action, or the reason why it was not done.
+action, or the reason why an action was not done.
 """
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ class Selected:
 class EditingSession:
     """The editing of one graph file.
 
-    version -- a number that changes with each visible change: of draft, selection or message
+    version -- a number that changes whenever the draft, the selection or the message changes
 
-    It has one method for each act of the person who edits.
+    There is one method for each act of the person who edits.
     """
 
     def __init__(self, file: GraphFile, path: str, is_new: bool = False) -> None:
@@ -68,8 +68,9 @@ class EditingSession:
     # Clicks and drags
 
     def click_floor(self, x: float, y: float) -> None:
-        """Adds a vertex at x, y (m), or cuts the edge there. If a vertex waits for a connection,
-        connects the new vertex to it.
+        """Adds a vertex at x, y (m), or cuts the edge that is there.
+
+        If another vertex waits for a connection, connects the new vertex to this vertex.
         """
         self._tried(lambda: self._click_floor(x, y))
 
@@ -114,7 +115,7 @@ class EditingSession:
         self._tried(lambda: self._choose('edge', id, f'Edge {id}'))
 
     def drag_vertex(self, id: int, x: float, y: float) -> None:
-        """Moves a vertex with the mouse; all moves until `end_drag` are one undo step."""
+        """Moves a vertex with the mouse. One undo takes back all moves until `end_drag`."""
         self._tried(lambda: self._drag_vertex(id, *editing.snapped(x, y, self.grid)))
 
     def _drag_vertex(self, id: int, x: float, y: float) -> None:
@@ -170,7 +171,7 @@ class EditingSession:
                                          change(self.draft, id, **fields)))
 
     def set_grid(self, grid: float) -> None:
-        """Makes vertices snap to a grid with the given pitch (m); 0: no grid."""
+        """Makes vertices snap to a grid with this pitch (m); 0: no grid."""
         self.grid = grid
         self.say(f'Vertices snap to {grid:g} m' if grid else 'Vertices snap to no grid')
 
@@ -185,7 +186,7 @@ class EditingSession:
         self._after_step(f'Redone: {name}' if name else 'There is nothing to redo')
 
     def save(self) -> bool:
-        """Writes the file; returns False, with the reason in `said`, if it is not written."""
+        """Writes the file. Returns whether it was written; if not, `said` has the reason."""
         try:
             edited = self._file.edited(self.draft)
             if not self._is_unchanged_on_disk():
@@ -210,7 +211,7 @@ class EditingSession:
             self.on_take_over(self.draft)
 
     def load_again(self) -> None:
-        """Loads the file again; undo restores the draft from before."""
+        """Loads the file again. Undo restores the previous draft."""
         try:
             self._file = GraphFile.load(self._path)
         except GraphError as error:
@@ -239,9 +240,9 @@ class EditingSession:
 
     def nearest_edge(self, place: Tuple[float, float], ids: Iterable[int],
                      reach: float = math.inf) -> Optional[int]:
-        """Returns the nearest of the edges with these `ids`, within `reach` m of a place.
+        """Returns the id in `ids` of the edge that is nearest to a place, within `reach` m.
 
-        The distance of an edge without length is the distance of its vertices.
+        The distance of an edge without length is the distance of its origin.
         """
         best: Tuple[float, Optional[int]] = (reach, None)
         for id in ids:
@@ -251,7 +252,7 @@ class EditingSession:
             except GraphError:
                 distance = math.dist(self.draft.vertices[edge.origin].position, place)
                 if reach < math.inf:
-                    continue  # it cannot be cut
+                    continue  # an edge without length cannot be cut
             if distance <= best[0]:
                 best = distance, id
         return best[1]

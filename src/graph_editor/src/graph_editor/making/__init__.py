@@ -1,5 +1,5 @@
 """Makes a trajectory graph from a floor.
 
-The steps: make a skeleton, prune it, straighten it into lanes, complete the lanes, number the
-vertices and edges.
+The steps: make a skeleton of the floor, prune the skeleton, straighten it into lanes, complete the
+lanes, and number the vertices and edges.
 """

@@ -17,7 +17,7 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex, split_edges
 
 PASS, PARKING = 'pass', 'parking'
 """The labels of vertices that are not places of the map."""
-LINE_PARAMETER = 0.25  # m; the parameters of a line have no effect, but the file requires them
+LINE_PARAMETER = 0.25  # m; these parameters have no effect on a line, but the file requires them
 SLOWEST = 0.3  # m/s; speed at the narrowest places and towards docks
 FULL_SPEED_ROOM = 1.0  # m; clearance for the full speed
 SPLINE_SPEED = 0.5  # m/s; the highest speed on splines with a large turn
@@ -26,12 +26,13 @@ TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPlace],
              frame_id: str, options: MakingOptions) -> Graph:
-    """Returns the graph; vertices and edges are numbered from 1, in reading order of the map."""
+    """Returns the graph. Its vertices and edges are numbered from 1, in reading order of the map.
+    """
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
     positions = positions or {node: net.positions[node] for node in net.nodes}
     vertices: Dict[int, Vertex] = {}
     edges: List[Edge] = []
-    thetas: Dict[int, Tuple[float, float]] = {}  # by node: length of the piece, direction
+    thetas: Dict[int, Tuple[float, float]] = {}  # of each node: length, direction of a piece
     next_id = max(net.nodes) + 1
     for way in (_in_order(net, way, places) for way in ways):
         here = way.first
@@ -71,8 +72,8 @@ def _directions(piece: Piece) -> Tuple[float, np.ndarray, np.ndarray]:
 def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, NamedPlace]) -> LaneWay:
     """Returns the path in the direction that its edges get.
 
-    Edges lead towards docks and other dead ends, but away from goals at a dead end. All others lead
-    eastwards or northwards.
+    Edges lead towards docks and other dead ends, but away from goals at a dead end. All other edges
+    lead eastwards or northwards.
     """
     def weight(node: int) -> int:
         place = places.get(node)
@@ -106,9 +107,9 @@ def _edge(id: int, origin: int, destination: int, control: Optional[np.ndarray])
 def _with_headings(graph: Graph, places: Mapping[int, NamedPlace]) -> Graph:
     """Returns the graph with the headings of goals and docks.
 
-    A robot that waits at the end of a dead end faces out of it. A robot that docks faces into it.
+    A robot that waits in a dead end faces out of the dead end. A robot that docks faces into it.
     Theta is the heading of the place if the edge leads in the direction in which the robot faces;
-    otherwise it is the opposite.
+    otherwise theta is the opposite.
     """
     vertices = dict(graph.vertices)
     for id, place in places.items():
@@ -168,7 +169,9 @@ def _with_parking(graph: Graph, places: Mapping[int, NamedPlace], floor: Floor,
 
 
 def numbered(graph: Graph) -> Graph:
-    """Returns the graph with ids from 1: vertices in reading order, edges by their ends."""
+    """Returns the graph with ids from 1. Vertices are in reading order, and edges in the order of
+    their ends.
+    """
     order = sorted(graph.vertices.values(), key=lambda v: (-round(v.y, 1), v.x, v.id))
     ids = {vertex.id: number for number, vertex in enumerate(order, 1)}
     edges = sorted((replace(edge, origin=ids[edge.origin], destination=ids[edge.destination])

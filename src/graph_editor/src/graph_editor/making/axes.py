@@ -1,4 +1,4 @@
-"""Finds the directions of a building's walls. Lanes that nearly follow them are aligned to them."""
+"""Finds the directions of a building's walls. Lanes that nearly follow a wall are aligned to it."""
 from __future__ import annotations
 
 import math
@@ -11,12 +11,12 @@ from graph_editor.floor import Floor
 
 NEAR_WALLS = (0.25, 1.0)  # m; in this range the clearance increases at right angles to the wall
 BINS = 180  # number of bins of half a degree
-SHARE = 0.12  # least length of walls along a further axis, as a share of that along the first axis
+SHARE = 0.12  # least length of walls along a further axis, relative to the walls along the first
 APART = 20.0  # deg; least angle between axes
 
 
 def axes_of(floor: Floor) -> List[float]:
-    """Returns the directions (rad, within a quarter turn) of the walls, the most frequent first.
+    """Returns the directions of the walls (rad, 0..pi/2), the most frequent first.
 
     There is at least one direction.
     """
@@ -41,12 +41,12 @@ def axes_of(floor: Floor) -> List[float]:
 
 
 def _apart(one: float, other: float) -> float:
-    """Returns the angle (deg) between two directions, without whole right angles."""
+    """Returns the angle (deg, 0..45) between two directions, without whole right angles."""
     return abs((one - other + 45.0) % 90.0 - 45.0)
 
 
 def _refined(quarter: np.ndarray, peak: float) -> float:
-    """Returns the mean direction around a peak; exactly 0 if it is almost along x."""
+    """Returns the mean direction around a peak; exactly 0 if this direction is almost along x."""
     offsets = (quarter - peak + math.pi / 4.0) % (math.pi / 2.0) - math.pi / 4.0
     around = offsets[np.abs(offsets) < math.radians(5.0)]
     axis = (peak + (float(around.mean()) if len(around) else 0.0)) % (math.pi / 2.0)

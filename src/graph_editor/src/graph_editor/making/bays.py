@@ -1,4 +1,4 @@
-"""Bays: short lanes at right angles into floor that is too far from all other lanes."""
+"""Adds bays: short lanes that leave other lanes at right angles, into floor far from all lanes."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ FROM_NODE = 0.8  # m; a bay that would start nearer to a node starts at the node
 
 def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
              options: MakingOptions) -> None:
-    """Adds bays, the best first, until no further bay is useful.
+    """Adds bays, the most useful bay first, until no further bay is useful.
 
     If the net has only one node and no lanes, bays lead from this node along the `axes` (rad).
     """
@@ -51,7 +51,9 @@ def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
 
 def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequence[float],
               options: MakingOptions) -> Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
-    """Returns the bay that serves `floor` (N,2) best: its lane or node, its start and its end."""
+    """Returns the most useful bay for `floor` (N,2): the lane or node that it leaves, its start and
+    its end.
+    """
     unserved = cKDTree(floor)
     best: Tuple[float, Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]] = (0.0, None)
     for root, start, direction in _beginnings(net, axes):
@@ -72,7 +74,7 @@ def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequenc
 
 def _beginnings(net: LaneNet,
                 axes: Sequence[float]) -> Iterator[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
-    """Yields the possible starts of bays: lane or node, position on it, and direction."""
+    """Yields the possible starts of bays: a lane or node, a position on it, and a direction."""
     for node in net.nodes:
         if net.degree(node) == 0:
             for axis in axes:

@@ -1,9 +1,9 @@
-"""Converts lanes to curves: paths between junctions in driving order, with splines for bends.
+"""Converts lanes to curves. The result is paths between junctions, in which bends are splines.
 
 - Junctions stay corners with right angles, because robots may drive in each direction there.
 - At other corners a spline lets a robot turn without a stop.
-- Through a narrow door a robot drives straight, and turns before and behind it. So no vertex is in
-  a door, and the narrow corridor is short.
+- Through a narrow door a robot drives straight; it turns before and after the door. So no vertex is
+  in a door, and the narrow corridor is short.
 """
 from __future__ import annotations
 
@@ -22,13 +22,15 @@ LEAST_TURN = math.radians(6.0)
 MOST_TURN = math.radians(120.0)  # at a larger angle a robot turns on the spot
 FROM_CORNER = 0.42  # m; largest distance between a spline and the corner that it replaces
 LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m from the corner to the start of the spline
-SHARE = 0.45  # share of a lane that one spline may use if the other end is a junction
+SHARE = 0.45  # share of a lane that a spline may use if the lane's other end is a junction
 SHORTEST_LANE = 0.4  # m; shortest lane between two splines
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A straight lane or a spline between two points (m); `need` is its least clearance, m."""
+    """A straight lane or a spline between two points (m); `need` is the clearance (m) that it
+    needs.
+    """
 
     start: np.ndarray
     end: np.ndarray
@@ -39,7 +41,9 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class LaneWay:
-    """A path from one node to another without a junction between them, in driving order."""
+    """A path from one node to another, without a junction between them; pieces are in driving
+    order.
+    """
 
     first: int
     last: int
@@ -101,10 +105,10 @@ def _pieces(net: LaneNet, nodes: Sequence[int], options: MakingOptions) -> Itera
 
 def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float],
               options: MakingOptions) -> List[float]:
-    """Returns the tangent (m) at each inner corner; 0: no spline.
+    """Returns the tangent (m) at each inner corner: the distance from the corner to both ends of
+    its spline; 0: no spline.
 
-    The spline begins and ends at this distance from the corner. Two splines either touch, or have a
-    lane of at least SHORTEST_LANE between them.
+    Two splines either touch, or have a lane of at least SHORTEST_LANE between them.
     """
     lengths = [float(np.hypot(*(b - a))) for a, b in zip(corners, corners[1:])]
     inner = len(corners) - 2
@@ -125,7 +129,9 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
 
 
 def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: float) -> float:
-    """Returns the longest tangent (m) of a spline at the middle of three corners; 0: none fits."""
+    """Returns the longest tangent (m) with which a spline fits at the middle corner of three; 0:
+    none fits.
+    """
     turn = turn_of(corners)
     if not LEAST_TURN < turn < MOST_TURN:
         return 0.0

@@ -1,4 +1,4 @@
-"""The skeleton during its processing: chains of points between nodes, at which they meet or end.
+"""The skeleton during its processing: nodes, and chains of points between the nodes.
 
 Both ends of a chain may be the same node. If exactly two chains meet at a node, they are joined to
 one chain.
@@ -22,10 +22,10 @@ class Chain:
     start: int
     end: int
     path: np.ndarray
-    """(N,2) m, both nodes' positions included."""
+    """The points (N,2; m), including the positions of both nodes."""
     length: float
     clearances: np.ndarray
-    """(N,) m, at the points of the path."""
+    """The clearances (N,; m) at the points of the path."""
 
     @property
     def is_ring(self) -> bool:
@@ -34,7 +34,7 @@ class Chain:
 
     @property
     def clearance(self) -> float:
-        """The least clearance along the chain, m."""
+        """The smallest clearance along the chain, m."""
         return float(self.clearances.min())
 
     def other(self, node: int) -> int:
@@ -53,7 +53,7 @@ class Chain:
 class ChainGraph:
     """Nodes with positions (m), and the chains between them.
 
-    The steps of making a graph share the methods: one for each query, and one for each edit.
+    All steps that make a graph use this class. It has one method for each query and for each edit.
     """
 
     def __init__(self, floor: Floor) -> None:
@@ -108,7 +108,8 @@ class ChainGraph:
         return self.remove_all([chain])
 
     def remove_all(self, chains: Sequence[Chain]) -> List[Chain]:
-        """Removes several chains like `remove_chain`; the last node of the graph stays."""
+        """Removes several chains like `remove_chain`. The last node of the graph is never removed.
+        """
         for chain in chains:
             self.drop_chain(chain)
         made = []
@@ -151,7 +152,8 @@ class ChainGraph:
         return [self.add_chain(first.other(node), second.other(node), path)]
 
     def move_node(self, node: int, path: np.ndarray) -> None:
-        """Moves a node along `path` (N,2), which begins at the node; its chains are extended."""
+        """Moves a node along `path` (N,2), which begins at the node, and extends the node's chains.
+        """
         self._graph.nodes[node]['position'] = path[-1]
         for chain in self.chains_at(node):
             old = chain.path
@@ -163,7 +165,7 @@ class ChainGraph:
             self.add_chain(chain.start, chain.end, old)
 
     def unite(self, node: int, other: int) -> None:
-        """Moves the chains of `other`, which is at the same position, to `node`; removes `other`.
+        """Moves the chains of `other` to `node`, which has the same position, and removes `other`.
         """
         for chain in self.chains_at(other):
             self.drop_chain(chain)
@@ -172,7 +174,8 @@ class ChainGraph:
         self._graph.remove_node(other)
 
     def way_round(self, chain: Chain) -> Optional[float]:
-        """Returns the length (m) of the path between a chain's ends without the chain.
+        """Returns the length (m) of the shortest path between a chain's ends that does not use the
+        chain.
 
         None: there is no such path; 0: the chain is a ring.
         """
@@ -188,7 +191,7 @@ class ChainGraph:
             self._graph.add_edge(chain.start, chain.end, key=chain.id, length=chain.length)
 
     def dead_ends(self) -> Iterator[Tuple[int, Chain]]:
-        """Yields each node with exactly one chain, and the chain, if it leads to a junction."""
+        """Yields each node with exactly one chain that leads to a junction, and this chain."""
         for node in self.nodes:
             if self._graph.degree(node) == 1:
                 chain, = self.chains_at(node)

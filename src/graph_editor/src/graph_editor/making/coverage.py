@@ -1,6 +1,6 @@
-"""The floor that lanes serve: the floor within a given driving distance of them.
+"""Computes the floor that lanes serve: the floor within a given driving distance of the lanes.
 
-Driving distances are measured over the floor and not through walls, in cells of a coarser grid.
+Driving distances are measured on the floor, not through walls, in cells of a coarser grid.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Coverage:
         return self.pitch ** 2
 
     def covered_by(self, path: np.ndarray) -> np.ndarray:
-        """Returns the indices (N,) in the flat mask of the cells that the path (M,2) serves."""
+        """Returns the cells that the path (M,2) serves, as indices (N,) in the flat mask."""
         rows, columns = self.cells_of(dense(path, self.pitch))
         border = int(math.ceil(self._reach / self.pitch)) + 1
         top, left = max(rows.min() - border, 0), max(columns.min() - border, 0)
@@ -54,10 +54,11 @@ class Coverage:
     def left_without(self, servants: np.ndarray, served: np.ndarray) -> float:
         """Returns the area (m2) that would be unserved without one path.
 
+        Adjacent cells that are already unserved also count. Otherwise a short dead end would seem
+        less useful than a long one, and dead ends would be removed bit by bit.
+
         servants -- number of paths that serve each cell of the flat mask
         served   -- the cells that the path serves
-        Adjacent cells that are already unserved also count. Otherwise a short dead end would seem
-        less useful than a long one, so a dead end would be removed bit by bit.
         """
         alone = served[servants[served] == 1]
         unserved = self.mask & (servants == 0).reshape(self.mask.shape)
@@ -73,14 +74,14 @@ class Coverage:
         return self._ways(window, starts) * self.pitch <= self._reach
 
     def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Returns rows and columns of the coarser cells of points (N,2)."""
+        """Returns the rows and columns, in the coarser grid, of the cells of points (N,2)."""
         rows, columns = self._floor.cells_of(points)
         height, width = self.mask.shape
         return (np.minimum(rows // self._step, height - 1),
                 np.minimum(columns // self._step, width - 1))
 
     def points_of(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Returns the points (N,2), m, that represent coarser cells."""
+        """Returns the points (N,2; m) that represent cells of the coarser grid."""
         return self._floor.centres(rows * self._step, columns * self._step)
 
     @staticmethod

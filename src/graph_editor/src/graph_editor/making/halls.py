@@ -1,4 +1,6 @@
-"""Lattices: crossing lanes in wide halls, which replace the lanes in the middle."""
+"""Adds lattices: crossing lanes in wide halls, which replace the lanes in the middle of these
+halls.
+"""
 from __future__ import annotations
 
 import math
@@ -18,7 +20,7 @@ NEAR_NODE = 0.8  # m; a lane from outside that would end this near to a node end
 def add_lattices(net: LaneNet, axes: Sequence[float], options: MakingOptions) -> LaneNet:
     """Returns `net` with a lattice in each hall.
 
-    A hall stays as it is if the lanes that lead to it cannot be joined to its lattice.
+    A hall does not change if the lanes that lead to the hall cannot be joined to its lattice.
     """
     for hall in _halls(net.floor, options):
         made = net.copy()
@@ -45,7 +47,9 @@ def _halls(floor: Floor, options: MakingOptions) -> List[np.ndarray]:
 
 
 def _lattice(net: LaneNet, hall: np.ndarray, axis: float, options: MakingOptions) -> List[int]:
-    """Draws the lattice along an axis (rad) into the hall; returns its nodes, all connected."""
+    """Adds the lattice of a hall along an axis (rad) to the net. Returns its nodes, which are all
+    connected.
+    """
     floor = net.floor
     turn = np.array(((math.cos(axis), -math.sin(axis)), (math.sin(axis), math.cos(axis))))
     cells = floor.centres(*np.nonzero(hall)) @ turn
@@ -100,7 +104,8 @@ def _largest_part(joined: Dict[Tuple[int, int], List[Tuple[int, int]]]) -> List[
 
 
 def _cut_out(net: LaneNet, hall: np.ndarray) -> List[Tuple[int, np.ndarray]]:
-    """Removes the lanes in the hall; returns the remaining ends and their directions to the hall.
+    """Removes the parts of lanes in the hall. Returns the nodes at the cut ends, and the directions
+    from there into the hall.
     """
     tips = []
     for lane in net.lanes:
@@ -126,7 +131,9 @@ def _cut_out(net: LaneNet, hall: np.ndarray) -> List[Tuple[int, np.ndarray]]:
 
 def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
           options: MakingOptions) -> bool:
-    """Connects a lane from outside to the lattice, straight if possible; returns the success."""
+    """Connects a lane from outside to the lattice, straight if possible. Returns whether it
+    succeeded.
+    """
     here = net.positions[tip]
     lattice = set(nodes)
     ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []

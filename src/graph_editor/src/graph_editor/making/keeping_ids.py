@@ -1,4 +1,4 @@
-"""Keeps ids: a vertex or edge that still exists in a new graph keeps its id from the old graph."""
+"""Keeps ids: a vertex or edge of an old graph keeps its id if it still exists in the new graph."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -15,8 +15,8 @@ SAME_PLACE = 0.75  # m; largest distance between an old vertex and the new one w
 def with_ids_of(old: Graph, new: Graph) -> Graph:
     """Returns `new` with the ids of `old`.
 
-    Vertices are matched by position, the nearest first, and edges by their ends. New elements get
-    ids above all old ones, so that an id never changes its meaning.
+    Vertices are matched by position, the nearest pairs first. Edges are matched by their ends. New
+    elements get ids above all old ids, so that an id never changes its meaning.
     """
     vertex_ids = _vertex_ids(old, new)
     vertices = [replace(vertex, id=vertex_ids[vertex.id]) for vertex in new.vertices.values()]
@@ -51,7 +51,8 @@ def _vertex_ids(old: Graph, new: Graph) -> Dict[int, int]:
 def _with_edge_ids(old: Graph, new: Graph, edges: List[Edge]) -> List[Edge]:
     """Returns the edges with their old ids.
 
-    A line may be turned round to keep its id if no heading depends on its direction.
+    A line may be turned round to keep its id, if no heading of a vertex depends on the line's
+    direction.
     """
     waiting: Dict[Tuple[int, int], List[int]] = {}
     for edge in old.edges.values():

@@ -1,4 +1,4 @@
-"""Straight lanes between nodes: the form between the skeleton and the trajectory graph."""
+"""Straight lanes between nodes: the intermediate form between skeleton and trajectory graph."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -13,13 +13,13 @@ from graph_editor.making.sight import in_sight, straight
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """A straight lane between two nodes, in ascending order of their ids."""
+    """A straight lane between two nodes; the node with the lower id is the first one."""
 
     nodes: Tuple[int, int]
     need: float
     """The clearance (m) that the lane must keep when it is moved."""
     samples: np.ndarray
-    """(N,2) m: the points of the skeleton that the lane represents, from the first node on."""
+    """The points (N,2; m) of the skeleton that the lane represents, beginning at the first node."""
 
 
 LaneOrNode = Union[Lane, int]
@@ -29,7 +29,7 @@ LaneOrNode = Union[Lane, int]
 class LaneNet:
     """Nodes with positions (m) and the lanes between them; two nodes have at most one lane.
 
-    The steps that make a graph share its methods: one for each query, and one for each edit.
+    All steps that make a graph use this class. It has one method for each query and for each edit.
     """
 
     def __init__(self, floor: Floor) -> None:
@@ -65,7 +65,9 @@ class LaneNet:
         return node
 
     def add_lane(self, a: int, b: int, need: float, samples: np.ndarray) -> None:
-        """Adds a lane from `a` to `b`. An old lane between them stays if its need is as large."""
+        """Adds a lane from `a` to `b`. An old lane between them is replaced if its `need` is
+        smaller.
+        """
         if a == b:
             return
         old = self.lane(a, b) if self._graph.has_edge(a, b) else None
@@ -107,7 +109,7 @@ class LaneNet:
         return float(np.hypot(*(b - a)))
 
     def clearance(self, lane: Lane) -> float:
-        """Returns the least clearance along the lane, m."""
+        """Returns the smallest clearance along the lane, m."""
         return float(self.floor.clearance_at(straight(self.floor, *self.ends(lane))).min())
 
     def is_free(self, lane: Lane) -> bool:
@@ -142,5 +144,5 @@ class LaneNet:
         return nx.connected_components(self._graph)
 
     def with_need(self, lane: Lane, need: float) -> None:
-        """Sets the need of a lane, m."""
+        """Sets the clearance that a lane needs, m."""
         self._graph.edges[lane.nodes]['lane'] = replace(lane, need=need)

@@ -1,4 +1,4 @@
-"""Makes the trajectory graph of a site: it runs all steps in their sequence."""
+"""Makes the trajectory graph of a site, by running all steps in their sequence."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -31,12 +31,12 @@ from graph_editor.making.widening import widen
 from graph_editor.site import MappedSite, NamedPlace, PlaceKind
 from trajectory_graph import Graph
 
-TIMES = 3  # number of rounds of squaring and rectifying, because each step influences the other
+TIMES = 3  # rounds of squaring and rectifying; several, because each step influences the other
 
 
 @dataclass(frozen=True, eq=False)
 class MadeGraph:
-    """A graph, and warnings for people about its making, one sentence each."""
+    """A made graph. `notes` are warnings for people about the making, one sentence each."""
 
     graph: Graph
     notes: Tuple[str, ...]
@@ -45,8 +45,8 @@ class MadeGraph:
 def make_graph(site: MappedSite, options: MakingOptions) -> MadeGraph:
     """Returns the graph of a site; raises SiteError if there is no floor for a graph.
 
-    The shape of the lanes is computed from the cells of the floor, which have smoother walls. Then
-    the positions of obstacles are used to give robots enough space.
+    The shape of the lanes is computed from the floor's cells, in which walls are smoother. Then the
+    exact positions of obstacles are used to give robots enough space.
     """
     exact = site.floor
     site = replace(site, floor=exact.of_cells())
@@ -102,8 +102,8 @@ def _lanes_floor(site: MappedSite, options: MakingOptions,
                  starts: List[Tuple[float, float]]) -> np.ndarray:
     """Returns the mask of the floor for lanes.
 
-    It is wide enough for the robot and connected to the places. Without places it is the largest
-    connected part that is wide enough.
+    This floor is wide enough for the robot and connected to the places. Without places, this is the
+    largest connected part of the wide enough floor.
     """
     open_cells = site.floor.clearance >= options.tight
     if starts:
@@ -122,10 +122,11 @@ def _joined(open_cells: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _placed(site: MappedSite, options: MakingOptions, notes: List[str]) -> List[NamedPlace]:
-    """Returns the places on one connected floor.
+    """Returns the places on one connected part of the floor.
 
-    This floor has the largest number of docks. If several floors have it, the number of goals
-    decides, then the number of homes. Each place that robots cannot reach from there gets a note.
+    This is the part with the largest number of docks. If several parts have this number, the number
+    of goals decides, then the number of homes. Each place that robots cannot reach from this part
+    gets a note.
     """
     parts: Dict[int, List[NamedPlace]] = {}
     labels, _ = ndimage.label(site.floor.clearance >= options.tight, EVERY_NEIGHBOUR)

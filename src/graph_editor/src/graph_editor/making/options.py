@@ -12,7 +12,7 @@ class Halls(Enum):
     """The kind of lanes in wide places."""
 
     CENTRE = 'centre'
-    """Lanes in the middle, and bays into floor that is far from them."""
+    """Lanes in the middle, and bays into floor that is far from these lanes."""
     LATTICE = 'lattice'
     """Crossing lanes with the distance `lattice_pitch`."""
 
@@ -25,12 +25,12 @@ class MakingOptions(RobotSize):
     """
 
     margin: float = 0.05
-    """Free space on each side of robot and corridor; it includes the inaccuracy of the grid."""
+    """Free space on each side of robot and corridor; covers the inaccuracy of the grid."""
     longest_edge: float = 5.0
     reach: float = 2.0
-    """The largest driving distance of reachable floor from the lanes."""
+    """The largest driving distance that reachable floor may have from the lanes."""
     speed: float = 1.0
-    """The speed on straight lanes in wide places; it is lower in narrow places and bends."""
+    """The speed on straight lanes in wide places. In narrow places and bends the speed is lower."""
     halls: Halls = Halls.CENTRE
     lattice_pitch: float = 3.0
 
@@ -45,7 +45,7 @@ class MakingOptions(RobotSize):
 
     @property
     def tight(self) -> float:
-        """The least clearance of a lane, which is just enough for the robot."""
+        """The smallest clearance of a lane: just enough for the robot to drive."""
         return self.robot_width / 2.0 + self.margin
 
     @property
@@ -60,6 +60,7 @@ class MakingOptions(RobotSize):
 
     @property
     def least_turning(self) -> float:
-        """The clearance for turning if there is no better place: the least that a robot's own path
-        search needs."""
+        """The smallest clearance for turning, used if there is no better place: a robot's own path
+        search needs this much.
+        """
         return self.half_diagonal + self.margin / 4.0

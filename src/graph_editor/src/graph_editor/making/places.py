@@ -1,4 +1,4 @@
-"""Makes nodes for goals and docks: on a passing lane, or at the end of a lane of their own."""
+"""Makes a node for each goal and dock: on a lane that passes it, or at the end of its own lane."""
 from __future__ import annotations
 
 import math
@@ -18,8 +18,8 @@ from graph_editor.site import NamedPlace, PlaceKind
 ON_LANE = 0.6  # m; a goal within this distance of a lane becomes a node of this lane
 NEAR_NODE = 0.7  # m; a lane to a place starts at a node if a node is within this distance
 STRAIGHT_IN = 1.0  # m; length of the straight path of a robot into a dock
-FARTHEST = 8.0  # m; largest distance of a place that is joined straight to a lane
-UNEVEN = 0.5  # m; additional cost of a lane that does not join at a right angle
+FARTHEST = 8.0  # m; largest distance at which a place is joined to a lane by a straight lane
+UNEVEN = 0.5  # m; additional cost of a lane that does not meet its target at a right angle
 
 
 class Attached(NamedTuple):
@@ -67,7 +67,9 @@ def _attach(net: LaneNet, place: NamedPlace, attached: Attached,
 
 
 def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, NamedPlace]) -> Optional[int]:
-    """Moves a node, or bends a lane, to the position; returns the node. None: nothing is near."""
+    """Moves a near node, or bends a near lane, to the position. Returns the node; None: nothing is
+    near.
+    """
     near = [(float(np.hypot(*(net.positions[node] - position))), node) for node in net.nodes
             if node not in taken]
     near = [(distance, node) for distance, node in near if distance < ON_LANE]
@@ -128,7 +130,9 @@ def _with_lane_of_its_own(net: LaneNet, place: NamedPlace, attached: Attached,
 
 def _straight_behind(net: LaneNet, position: np.ndarray, heading: float,
                      taken: Dict[int, NamedPlace], options: MakingOptions) -> Optional[int]:
-    """Returns a node straight behind a dock, at least 0.4 m away: an old one, or a new one."""
+    """Returns a node straight behind a dock, at least 0.4 m away: an old node, or a new node on a
+    lane.
+    """
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
     found: List[Tuple[float, int, LaneOrNode]] = []
@@ -167,9 +171,9 @@ def _draw(net: LaneNet, way: List[np.ndarray], node: int, options: MakingOptions
 
 def _start_of_lane(floor: Floor, place: NamedPlace,
                    options: MakingOptions) -> Tuple[np.ndarray, float]:
-    """Returns the start of a place's lane, and the clearance that it needs there.
+    """Returns the start of a place's own lane, and the clearance that the lane needs there.
 
-    For a dock with enough space it is the start of the straight path into the dock.
+    For a dock with enough space, the lane starts where the straight path into the dock starts.
     """
     position = np.array(place.position)
     if place.kind is PlaceKind.DOCK and place.heading is not None:
@@ -181,14 +185,18 @@ def _start_of_lane(floor: Floor, place: NamedPlace,
 
 
 def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> float:
-    """Returns the clearance for a lane: not more than available, not less than the robot needs."""
+    """Returns the clearance that a lane needs: at most the available one, at least that of the
+    robot.
+    """
     room = floor.clearance_of(position)
     return max(min(options.wide, room), options.robot_width / 2.0)
 
 
 def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: MakingOptions,
                       taken: Set[int]) -> Optional[Tuple[np.ndarray, LaneOrNode]]:
-    """Returns the end of the best straight path to a lane or node, and this lane or node."""
+    """Returns the end of the cheapest straight path from `start` to a lane or node, and this lane
+    or node.
+    """
     ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
     for lane in net.lanes:
         foot = _foot(net, lane, start)
@@ -210,7 +218,7 @@ def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: Mak
 
 def _path_to_lane(net: LaneNet, start: np.ndarray,
                   options: MakingOptions) -> Optional[Tuple[List[np.ndarray], int]]:
-    """Returns a winding path to the nearest node, which keeps away from walls if possible."""
+    """Returns a winding path to the nearest node. If possible, the path keeps away from walls."""
     floor = net.floor
     costs = np.where(floor.clearance >= options.robot_width / 2.0,
                      1.0 + 4.0 * np.exp(-4.0 * floor.clearance), -1.0)

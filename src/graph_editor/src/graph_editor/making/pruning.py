@@ -1,7 +1,7 @@
-"""Removes useless parts of a skeleton: spurs into corners, and loops that do not shorten a path.
+"""Removes useless parts of a skeleton: spurs into corners, and loops that shorten no path.
 
 A chain stays if it *serves* floor that no other chain serves, or if it saves a detour. Junctions
-that are close together become one junction.
+that are close together are merged into one junction.
 """
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 LEAST_FLOOR = 1.0  # m2; a dead end stays if no other lane serves this much floor
-LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, because bays are better there
+LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, where bays are better
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
 WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if no other lane serves this much floor
-NARROW_IS_WORSE = 3.0  # factor of the required use if the corridor of a lane does not fit
+NARROW_IS_WORSE = 3.0  # a lane whose corridor does not fit must be this many times as useful
 MERGING = 1.0  # m; junctions within this distance become one if there is little space
-DOOR = 0.3  # m; a path that widens again by this much has passed something like a door
+DOOR = 0.3  # m; if a path becomes wider again by this much, it has passed a kind of door
 AHEAD = 1.5  # m; this part of each chain must be visible from the merged junction
 
 
@@ -37,7 +37,8 @@ def prune(graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None
 
 
 def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
-    """Merges junctions that are close together, if lanes can lead straight to the new junction."""
+    """Merges junctions that are close together, if lanes can lead straight to the merged junction.
+    """
     refused = set()
     while True:
         chain = min((chain for chain in graph.chains if _is_short(graph, chain)
@@ -49,10 +50,10 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Removes dead ends that hardly leave the widest disc around their start.
+    """Removes dead ends that hardly leave the widest free disc around their start.
 
-    All spurs of a junction are removed together: of the two spurs at the end of a corridor, neither
-    is the real end of the corridor.
+    All spurs of a junction are removed together: at the end of a corridor there are two spurs into
+    its corners, and neither spur is the real end of the corridor.
     """
     while True:
         spurs: Dict[int, List[Chain]] = {}
@@ -87,13 +88,15 @@ def _leads_into_corner(tip: int, chain: Chain) -> bool:
 
 
 def _widens(tip: int, chain: Chain) -> bool:
-    """Returns whether the path to a dead end's tip widens again, as behind a door."""
+    """Returns whether the path to a dead end's tip becomes wider again, as behind a door."""
     clearances = chain.clearances_towards(tip)
     return float((clearances - np.minimum.accumulate(clearances)).max()) >= DOOR
 
 
 class _Pruner:
-    """Prunes a skeleton; counts for each cell of the floor the chains that serve it."""
+    """Prunes a skeleton. For this it counts, for each cell of the floor, the chains that serve the
+    cell.
+    """
 
     def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
         self._graph = graph
@@ -104,7 +107,8 @@ class _Pruner:
         self._take_up(graph.chains)
 
     def prune_dead_ends(self) -> None:
-        """Removes dead ends, the least useful first, if other lanes serve nearly all their floor.
+        """Removes dead ends that serve hardly any floor that no other lane serves, the least useful
+        first.
         """
         while True:
             uses = [(self._use_of_dead_end(node, chain), node, chain)
@@ -117,8 +121,8 @@ class _Pruner:
     def open_narrow_loops(self) -> None:
         """Cuts loops at their narrowest place, if a whole corridor does not fit there.
 
-        A loop is not cut if this would cause a long detour. A ring with the same width everywhere
-        is cut in its middle.
+        A loop is not cut if the cut would cause a long detour. A ring that is narrow everywhere or
+        nowhere is cut in its middle.
         """
         for chain in self._graph.chains:
             if not self._graph.has(chain):
@@ -149,8 +153,8 @@ class _Pruner:
     def prune_loops(self) -> None:
         """Removes sides of loops, the least useful first.
 
-        After a removal the other sides can only be more useful. So a use that was computed earlier
-        is a lower bound. A use is computed again only when it is the lowest of all.
+        A removal can only make the other sides more useful. So a use that was computed earlier is a
+        lower bound. A use is computed again only when it is the lowest of all.
         """
         waiting = [(0.0, chain.id, chain) for chain in self._graph.chains]
         heapq.heapify(waiting)
@@ -171,12 +175,12 @@ class _Pruner:
                 heapq.heappush(waiting, (0.0, made.id, made))
 
     def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
-        """Returns the use of a dead end; a chain with a use of 1 or more stays."""
+        """Returns the use of a dead end; a dead end with a use of 1 or more stays."""
         least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
         return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
-        """Returns the use of a side of a loop; a chain with a use of 1 or more stays.
+        """Returns the use of a side of a loop; a side with a use of 1 or more stays.
 
         None: no other path connects the ends of the chain.
         """
@@ -201,7 +205,7 @@ class _Pruner:
         return made
 
     def _exchange(self, made: List[Chain]) -> None:
-        """Adds the counts of new chains, and removes those of removed chains."""
+        """Adds the new chains to the counts, and takes the removed chains out of the counts."""
         left = {chain.id for chain in self._graph.chains}
         for id in [id for id in self._served if id not in left]:
             self._servants[self._served.pop(id)] -= 1
@@ -219,7 +223,9 @@ def _is_short(graph: ChainGraph, chain: Chain) -> bool:
 
 
 def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
-    """Moves both ends of a chain to its middle, if the adjacent chains are visible from there."""
+    """Moves both ends of a chain to its middle if the adjacent chains are visible from there.
+    Returns whether it did.
+    """
     steps = np.linalg.norm(np.diff(chain.path, axis=0), axis=1)
     middle = int(np.searchsorted(np.cumsum(steps), chain.length / 2.0)) + 1
     middle = min(middle, len(chain.path) - 1)

@@ -1,7 +1,8 @@
-"""Adds lanes to floor that is not served yet, by straight lanes between places to turn.
+"""Adds lanes to floor that no lane serves yet: straight lanes between places at which robots can
+turn.
 
-The earlier steps may have lost floor that robots can reach. The floor on which robots can turn
-consists of several parts. From one part to another robots drive straight.
+The earlier steps may leave out floor that robots can reach. The floor on which robots can turn
+consists of several parts. From one part to another, robots drive straight.
 """
 from __future__ import annotations
 
@@ -20,8 +21,8 @@ from graph_editor.making.straights import Margin, margins_of, straights, ways_to
 from graph_editor.making.tidying import LEAST_FLOOR
 
 STEP = 0.25  # m between the places at which lanes may begin, bend and end
-ENOUGH = 0.9  # a lane ends where it serves this share of the floor that the longest lane serves
-MIDDLE = 2.0  # m of path that equal a metre of clearance in the choice of the far end
+ENOUGH = 0.9  # a path ends where it serves this share of the floor that the whole path serves
+MIDDLE = 2.0  # m of path that count like one metre of clearance when the far end is chosen
 
 Cell = Tuple[int, int]
 
@@ -34,7 +35,9 @@ class Joint(NamedTuple):
 
 
 class WayToFloor(NamedTuple):
-    """Lanes from a joint through places to turn (`places`, (N,2)); the first place is the joint."""
+    """Lanes from a joint through places to turn (`places`, (N,2)). The first place is the joint
+    itself.
+    """
 
     joint: Joint
     places: np.ndarray
@@ -43,10 +46,10 @@ class WayToFloor(NamedTuple):
 
 
 def reach_out(net: LaneNet, options: MakingOptions) -> None:
-    """Adds lanes to parts of the floor on which robots can turn and that are far from lanes.
+    """Adds lanes to parts of the floor that are far from lanes and on which robots can turn.
 
-    The largest part is first. Parts of less than LEAST_FLOOR m2, and parts to which there is no
-    path, are ignored.
+    The largest part comes first. Parts of less than LEAST_FLOOR m2 are ignored, and so are parts to
+    which no path leads.
     """
     floor = net.floor
     coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)
@@ -71,7 +74,7 @@ def reach_out(net: LaneNet, options: MakingOptions) -> None:
 
 def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
             options: MakingOptions) -> Optional[WayToFloor]:
-    """Returns the path into a `part` (rows, columns) of the coverage's cells, or None."""
+    """Returns a path into a `part` of the floor (a mask of the coverage's cells), or None."""
     floor, margin = net.floor, margins_of(options)[1]
     goals = coverage.points_of(*np.nonzero(part))
     costs = ways_to_drive(floor, margin, options, goals)
@@ -96,7 +99,9 @@ def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
 
 
 def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
-    """Returns the joints with space to turn, by cell; nodes are preferred to places on lanes."""
+    """Returns the joints with space to turn, by their cells. In a cell with several, a node is
+    preferred.
+    """
     joints = []
     for lane in net.lanes:
         a, b = net.ends(lane)
@@ -111,7 +116,9 @@ def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
 
 def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
             floor: Floor) -> int:
-    """Returns how many points at the start of a path serve nearly the floor of all its points."""
+    """Returns how many points from the start of a path are enough to serve the share ENOUGH of the
+    floor that the whole path serves.
+    """
     def served(count: int) -> int:
         return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))
     wanted = ENOUGH * served(len(points))
@@ -122,7 +129,8 @@ def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: M
 
 def _straightened(joint: Joint, points: np.ndarray, floor: Floor, margin: Margin,
                   options: MakingOptions) -> Optional[WayToFloor]:
-    """Returns the cheapest lanes along points (N,2) that start and end at places to turn."""
+    """Returns the cheapest lanes along points (N,2); each lane starts and ends at a place to turn.
+    """
     roomy = floor.clearance_at(points) >= margin.turning
     jumping = ~roomy | np.roll(~roomy, 1) | np.roll(~roomy, -1)
     step = max(1, int(round(STEP / floor.resolution)))

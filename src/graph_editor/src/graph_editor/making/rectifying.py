@@ -1,10 +1,10 @@
 """Aligns lanes to the directions of the walls, with right angles, in the middle of the floor.
 
-The method is least squares over all nodes at once:
-- Each lane should be on the points of the skeleton that it represents. Narrow places have more
+The method is least squares for all nodes at once:
+- Each lane should lie on the points of the skeleton that it represents. Narrow places have more
   weight.
 - A lane that nearly follows an axis must follow it.
-- A condition that would reduce the clearance of a lane is dropped, lane by lane.
+- If a condition would reduce the clearance of a lane too much, it is dropped for this lane.
 """
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from scipy.sparse.linalg import spsolve
 
 from graph_editor.making.lanes import Lane, LaneNet
 
-NEARLY = math.radians(18.0)  # a lane with a smaller angle to an axis is aligned to it
-SHORT_OFFSET = 0.4  # m; a lane whose ends deviate less from an axis is also aligned to it
+NEARLY = math.radians(18.0)  # a lane is aligned to an axis if the angle between them is smaller
+SHORT_OFFSET = 0.4  # m; a lane is also aligned if its ends deviate less than this from an axis
 FARTHEST = 1.2  # m; largest movement of a node
 SAMPLES = 8  # number of points of the skeleton that represent a lane
 MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights of: axes, fixed nodes, present positions of nodes
@@ -27,7 +27,7 @@ Key = Tuple[int, int]
 
 
 def rectify(net: LaneNet, axes: Sequence[float], held: Collection[int] = ()) -> None:
-    """Moves the nodes of `net` except the `held` ones; each free lane stays free."""
+    """Moves the nodes of `net`, except the `held` nodes. Each free lane stays free."""
     _Rectifier(net, axes, held).run()
 
 
@@ -124,7 +124,7 @@ class _Rectifier:
             self._net.positions[node] = self._start[node]
 
     def _samples(self, lane: Lane) -> List[Tuple[float, np.ndarray, float]]:
-        """Returns fractions of the lane, the points of the skeleton there, and their weights."""
+        """Returns points of the skeleton, each with its fraction along the lane and its weight."""
         chosen = lane.samples[np.linspace(0, len(lane.samples) - 1, SAMPLES + 2)[1:-1].astype(int)]
         a, b = (self._start[node] for node in lane.nodes)
         along = b - a

@@ -1,4 +1,4 @@
-"""Adds places again that were removed with their lanes, if other lanes lead near them."""
+"""Adds those places again that were removed with their lanes, if other lanes lead near them."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, Sequence, Tuple
@@ -12,10 +12,10 @@ from graph_editor.site import NamedPlace
 
 def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, NamedPlace], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> LaneNet:
-    """Returns the net with the places behind gaps to which lanes can lead after all.
+    """Returns the net with those places behind gaps to which lanes can lead after all.
 
-    It adds their nodes to `places`. Each place is tried on a copy of the net. A place is not added
-    if this would cause another gap.
+    The nodes of these places are added to `places`. Each place is tried on a copy of the net. A
+    place is not added if that would cause another gap.
     """
     for place in (place for gap in gaps for place in gap.places):
         tried = net.copy()

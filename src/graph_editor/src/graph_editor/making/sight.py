@@ -7,11 +7,11 @@ import numpy as np
 
 from graph_editor.floor import Floor
 
-TOLERANCE = 0.01  # m; error of a clearance from the interpolation between cells
+TOLERANCE = 0.01  # m; error of a clearance, caused by the interpolation between cells
 
 
 def in_sight(floor: Floor, start: np.ndarray, end: np.ndarray, clearance: float) -> bool:
-    """Returns whether the straight line has at least `clearance` (m) everywhere."""
+    """Returns whether the straight line has at least this `clearance` (m) at each point."""
     return bool(floor.clearance_at(straight(floor, start, end)).min() >= clearance - TOLERANCE)
 
 

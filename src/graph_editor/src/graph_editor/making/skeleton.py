@@ -1,4 +1,4 @@
-"""Makes the skeleton of a mask as chains: its forks and ends, and the cells between them."""
+"""Makes the skeleton of a mask: forks and ends become nodes, and the cells between them chains."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, Tuple
@@ -40,7 +40,7 @@ def _centres(floor: Floor, cells: List[Cell]) -> np.ndarray:
 
 
 def _add_knots_to_rings(skeleton: np.ndarray, knots: np.ndarray) -> None:
-    """Adds a knot to each closed chain without one, at its first cell."""
+    """Adds a knot to each closed chain that has none, at the chain's first cell."""
     parts, _ = ndimage.label(skeleton, EVERY_NEIGHBOUR)
     with_knot = set(np.unique(parts[knots]).tolist())
     for part, window in enumerate(ndimage.find_objects(parts), 1):
@@ -61,7 +61,8 @@ def _middles(clusters: np.ndarray, count: int) -> Iterator[Cell]:
 
 
 def _chains(skeleton: np.ndarray, clusters: np.ndarray) -> Iterator[Tuple[int, int, List[Cell]]]:
-    """Yields each chain once: the labels of its two clusters and the cells between them."""
+    """Yields each chain once: the labels of the clusters at its ends, and the cells between them.
+    """
     cells = set(_cells(skeleton))
     labels = {cell: int(clusters[cell]) for cell in _cells(clusters)}
     seen = set()
@@ -86,7 +87,7 @@ def _neighbours(cell: Cell, cells: set) -> List[Cell]:
 
 
 def _follow(chain: List[Cell], knot: Cell, cells: set, labels: Dict[Cell, int]) -> Cell:
-    """Extends the chain, which begins beside `knot`, to the next knot, and returns that knot.
+    """Extends a chain that begins beside `knot` up to the next knot, and returns the next knot.
 
     A cell that is not a knot has exactly two neighbours: the previous cell and the next one.
     """

@@ -1,9 +1,10 @@
-"""Replaces slanting lanes, which come from a skeleton that cuts corners, by lanes along the axes.
+"""Replaces slanting lanes, which arise where the skeleton cuts corners, by lanes along the axes.
 
-- A slant between a lane along one axis and a lane across it is replaced by the corner at which the
-  extensions of the two lanes meet.
-- A slant that ends at a lane across its axis is moved, so that it meets this lane at a right angle.
-- A slant that is a dead end is turned.
+- A slant that connects two perpendicular lanes is replaced by the corner at which the extensions of
+  these lanes meet.
+- A slant that ends at a lane across the slant's axis is moved so that it meets this lane at a right
+  angle.
+- A slant that is a dead end is turned to an axis.
 """
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from graph_editor.making.sight import in_sight
 LONGEST_CUT = 3.5  # m; largest length of a slant that cuts a corner
 FARTHEST_CORNER = 3.0  # m; largest distance of the corner from the ends of the slant
 LONGEST_SLANT = 12.0  # m; longer lanes are not slants
-STEEPEST = math.radians(40.0)  # largest angle to the axis of a slant that is moved onto it
+STEEPEST = math.radians(40.0)  # largest angle between a slant and the axis to which it is moved
 FARTHEST_SHIFT = 2.5  # m; largest movement of the end of a slant
 CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at the node
 
@@ -35,7 +36,7 @@ class _Corner(NamedTuple):
 
 
 def square(net: LaneNet, axes: Sequence[float]) -> None:
-    """Replaces slants, the shortest first; each slant is tried once."""
+    """Replaces slants, the shortest slant first. Each slant is tried once."""
     refused: Set[Tuple[int, int]] = set()
     for _ in range(2 * len(net.lanes)):
         slant = min((lane for lane in net.lanes if lane.nodes not in refused
@@ -58,7 +59,7 @@ def _is_slant(net: LaneNet, lane: Lane, axes: Sequence[float]) -> bool:
 
 
 def _nearest_axis(direction: float, axes: Sequence[float]) -> float:
-    """Returns the nearest direction (rad) along an axis."""
+    """Returns the direction (rad) along one of the axes that is nearest to `direction`."""
     along = [axis + round((direction - axis) / (math.pi / 2.0)) * math.pi / 2.0 for axis in axes]
     return min(along, key=lambda candidate: abs(candidate - direction))
 
@@ -69,7 +70,7 @@ def _direction(net: LaneNet, start: int, end: int) -> float:
 
 
 def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """Yields the free corners that could replace a slant that cuts them."""
+    """Yields the free corners that could replace a slant because the slant cuts them."""
     a, b = slant.nodes
     if net.length(slant) > LONGEST_CUT:
         return
@@ -84,7 +85,7 @@ def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corn
 
 
 def _levelled(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """Yields the places at which a slant could end at a right angle, on a lane or its extension."""
+    """Yields the places on a lane or its extension at which a slant could end at a right angle."""
     for start, end in (slant.nodes, slant.nodes[::-1]):
         direction = _direction(net, start, end)
         along = _nearest_axis(direction, axes)
@@ -110,7 +111,9 @@ def _levelled(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Cor
 
 
 def _turn(net: LaneNet, slant: Lane, axes: Sequence[float]) -> None:
-    """Turns a dead end about its start, to the nearest axis along which it is free."""
+    """Turns a dead end about its start, to the nearest axis along which the lane has enough
+    clearance.
+    """
     base, tip = sorted(slant.nodes, key=net.degree, reverse=True)
     direction, length = _direction(net, base, tip), net.length(slant)
     turns = sorted((abs(math.remainder(axis + quarter * math.pi / 2.0 - direction, 2.0 * math.pi)),

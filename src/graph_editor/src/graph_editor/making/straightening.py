@@ -1,7 +1,7 @@
 """Replaces a winding chain by a few free, straight lanes, as a person would draw them.
 
-Dynamic programming finds the division of the chain into straight pieces with the least cost. Each
-piece costs 1. A deviation of half a metre from the chain over a length of one metre also costs 1.
+Dynamic programming finds the cheapest division of the chain into straight pieces. Each piece costs
+1. A piece that deviates from the chain by half a metre, along one metre, costs 1 more.
 """
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-STEP = 0.2  # m between the places of a chain at which a piece may end
-STRAYING = 4.0  # cost per m2 of squared deviation and per m of length
+STEP = 0.2  # m between the points of a chain at which a piece may end
+STRAYING = 4.0  # cost per m2 of squared deviation and m of length
 LONGEST = 150  # largest number of steps in a piece
 
 
@@ -37,8 +37,8 @@ def straighten(graph: ChainGraph, options: MakingOptions) -> LaneNet:
 def straight_pieces(floor: Floor, path: np.ndarray, wide: float) -> List[int]:
     """Returns the indices of the points of `path` (N,2) at which straight pieces begin and end.
 
-    A piece has at least the clearance of its part of the path, but needs no more than `wide` (m). A
-    path that returns to its start gets at least three pieces.
+    A piece must have the clearance of its part of the path, or `wide` (m) if that is less. A path
+    that returns to its start gets at least three pieces.
     """
     stops = _stops(path)
     near = path - path[0]  # small numbers increase the precision
@@ -73,7 +73,9 @@ def _stops(path: np.ndarray) -> List[int]:
 
 
 def _moments(path: np.ndarray) -> np.ndarray:
-    """Returns (N,6): integrals of 1, x, y, x2, xy, y2 along the path up to each of its points."""
+    """Returns (N,6): for each point of the path, the integrals of 1, x, y, x2, xy, y2 along the
+    path up to it.
+    """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     x, y = ((path[1:] + path[:-1]) / 2.0).T
     parts = np.column_stack((np.ones_like(x), x, y, x * x, x * y, y * y)) * steps[:, None]
@@ -81,10 +83,11 @@ def _moments(path: np.ndarray) -> np.ndarray:
 
 
 def _straying(starts: np.ndarray, end: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Returns integrals (N,) of the squared distance from the lines `starts` (N,2) to `end`, m3.
+    """Returns integrals (N,; m3) along the path of its squared distance from straight lines.
 
-    moments -- (N,6): the moments of the path between the points
-    The integral is infinite if start and end coincide.
+    The lines lead from `starts` (N,2) to `end`. The integral is infinite if start and end coincide.
+
+    moments -- (N,6): the moments of the path between these points
     """
     along = end - starts
     length = np.hypot(*along.T)

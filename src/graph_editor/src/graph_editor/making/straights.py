@@ -1,4 +1,4 @@
-"""Straight lanes between places at which robots can turn: possible lanes and their costs."""
+"""Finds straight lanes between places at which robots can turn, and the costs of these lanes."""
 from __future__ import annotations
 
 import math
@@ -15,13 +15,13 @@ from graph_editor.making.sight import straight
 
 LONGEST = 3.0  # m; largest length of a lane between two places to turn
 PIECE = 0.5  # m of path that equal the cost of an additional lane
-TIGHTNESS = 4.0  # m of path that equal the cost of a metre less clearance
-AWAY = 8.0  # m; paths are searched within this distance around the points to connect
-JUMP = 2.0  # m; largest length of a straight between two parts of the floor for turning
+TIGHTNESS = 4.0  # m of path that equal the cost of one metre less of clearance
+AWAY = 8.0  # m; paths are searched within this distance of the points to connect
+JUMP = 2.0  # m; largest length of a lane from one part of the floor for turning to another
 
 
 class Margin(NamedTuple):
-    """The least clearances, m: of places to turn, and along lanes."""
+    """The least clearances (m): at places to turn, and along lanes."""
 
     turning: float
     straight: float
@@ -30,8 +30,8 @@ class Margin(NamedTuple):
 def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
     """Returns margins in descending order.
 
-    The first is the margin of all other lanes. The last is the least one that a robot's own path
-    search needs.
+    The first margin is that of all other lanes. The last margin is the smallest with which a
+    robot's own path search works.
     """
     return (Margin(options.turning, options.tight),
             Margin(options.least_turning, options.tight),
@@ -67,9 +67,9 @@ def straights(floor: Floor, places: np.ndarray, ends: int, margin: Margin,
 
 
 def room_between(floor: Floor, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Returns the least clearance (N,), m, on each straight from `starts` to `ends` (N,2).
+    """Returns the least clearance (N,; m) on each straight line from `starts` to `ends` (N,2).
 
-    starts -- one point or (N,2)
+    starts -- one point for all lines, or (N,2)
     """
     longest = np.linalg.norm(ends - starts, axis=1).max(initial=0.0)
     room = np.full(len(ends), np.inf)
@@ -87,9 +87,9 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
                   points: np.ndarray) -> np.ndarray:
     """Returns the cost (rows, columns) of a path through each cell; narrow cells cost more.
 
-    A cell is open if robots can turn on it, or if it is on the best straight lane between two near
-    parts of this floor. All other cells are CLOSED, and also all cells more than AWAY m outside the
-    box around points (N,2).
+    A cell is open if robots can turn on it, or if it is on the cheapest straight lane between two
+    near parts of the floor for turning. All other cells are CLOSED. Cells more than AWAY m outside
+    the box around points (N,2) are also CLOSED.
     """
     (top, bottom), (left, right) = floor.cells_of(
         np.array((points.min(axis=0) - AWAY, points.max(axis=0) + AWAY)))
@@ -105,7 +105,8 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
 
 def _jumps(floor: Floor, turning: np.ndarray, margin: Margin,
            options: MakingOptions) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
-    """Yields start and end of the best straight lane between each two near parts of the floor."""
+    """Yields start and end of the cheapest straight lane between each two near parts of the floor.
+    """
     parts, _ = ndimage.label(turning, EVERY_NEIGHBOUR)
     rim = np.nonzero(turning & ~ndimage.binary_erosion(turning, EVERY_NEIGHBOUR))
     places, part = floor.centres(*rim), parts[rim]

@@ -1,6 +1,7 @@
-"""Reduces the number of nodes and lanes: merges near nodes, and joins lanes in a straight line.
+"""Reduces the number of nodes and lanes: merges near nodes, and joins lanes that form a straight
+line.
 
-No step takes away the clearance that a lane needs.
+Each lane keeps the clearance that it needs.
 """
 from __future__ import annotations
 
@@ -14,13 +15,13 @@ from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.sight import in_sight
 
 CLOSE = 0.6  # m; nodes within this distance are merged
-TOUCHING = 0.35  # m; a lane that passes a node within this distance leads through the node
-STRAIGHT = math.radians(6.0)  # at a smaller turn a node is unnecessary
+TOUCHING = 0.35  # m; a lane that passes a node within this distance is led through the node
+STRAIGHT = math.radians(6.0)  # if the turn at a node is smaller, the node is unnecessary
 LEAST_FLOOR = 1.5  # m2; a dead end stays if no other lane serves this much floor
 
 
 def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None:
-    """Tidies the net; the nodes to `keep` do not move, but others may be merged into them.
+    """Tidies the net. The nodes to `keep` do not move, but other nodes may be merged into them.
 
     New bends are made only at places with a clearance of at least `turning` m.
     """
@@ -32,9 +33,10 @@ def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None
 
 
 def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
-    """Removes dead ends, the least useful first, if other lanes serve nearly all their floor.
+    """Removes dead ends that serve hardly any floor that no other lane serves, the least useful
+    first.
 
-    A lane stays if the remaining dead end would end at a place without space to turn.
+    A lane stays if without it the dead end would end at a place without space to turn.
     """
     served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
               for lane in net.lanes}
@@ -147,16 +149,17 @@ def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
             continue
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
             if not around:
-                keep.add(node)  # otherwise a bent dead end would be removed node by node
+                keep.add(node)  # without this, a bent dead end would be removed node by node
             net.merge(node, other)
             return True
     return not {a, b} & keep and _merge_in_corner(net, a, b, turning)
 
 
 def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
-    """Replaces two bends by one bend, at the point where the two outer lanes would meet.
+    """Replaces two bends by one bend, at the point where the extensions of the two outer lanes
+    meet.
 
-    The clearance of the lanes may then be as low as that of the lane between the bends.
+    Afterwards these lanes need no more clearance than the lane between the bends needed.
     """
     if net.degree(a) != 2 or net.degree(b) != 2:
         return False

@@ -1,4 +1,4 @@
-"""Moves the tips of dead ends to places where robots can turn, so that robots can come back."""
+"""Moves the tips of dead ends to places where robots can turn, so that robots can drive back."""
 from __future__ import annotations
 
 from typing import Collection, Optional, Sequence, Tuple
@@ -19,11 +19,11 @@ def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
     """Moves the tips of dead ends, except the nodes to `keep`, to places at which robots can turn.
 
     - A tip moves back along its lane.
-    - If this would leave floor unserved, it moves to a place beside the lane that a straight lane
-      reaches.
+    - If this would leave much floor unserved, the tip moves to a place beside the lane that a
+      straight lane reaches.
     - A dead end that becomes too short is removed.
-    - If the last lane has no place to turn, it is replaced by one place to turn, near a start of
-      robots (`homes`, m) or near the lane. If there is no such place, the lane stays.
+    - If the only remaining lane has no place to turn, a single place to turn replaces it, near a
+      start of robots (`homes`, m) or near the lane. If there is no such place, the lane stays.
     """
     for tip in net.nodes:
         if tip in keep or tip not in net.positions or net.degree(tip) != 1:
@@ -44,7 +44,8 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
                options: MakingOptions) -> Optional[np.ndarray]:
     """Returns the place to turn for the end of a lane.
 
-    It is on the lane, or beside its tip if much floor would be unserved otherwise.
+    This place is on the lane, or beside its tip if a place on the lane would leave much floor
+    unserved.
     """
     here = net.positions[tip]
     points = straight(net.floor, here, net.positions[base])
@@ -65,7 +66,9 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
 
 def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
                    back: Optional[np.ndarray]) -> float:
-    """Returns the area (m2) that would be unserved if the lane ended at `back` (None: removed)."""
+    """Returns the area (m2) that would be unserved if the lane ended at `back`; None: without the
+    lane.
+    """
     lane = net.lane(tip, base)
     kept = [np.array(net.ends(other)) for other in net.lanes if other.nodes != lane.nodes]
     if back is not None:

@@ -1,9 +1,9 @@
 """Gives robots enough space: lanes lead straight through narrow places, between wider places.
 
-A robot is wider across its corners than across its sides. So there are places that it can pass but
-in which it cannot turn. A lane that bends there, or hardly has the width of the robot, is replaced
-by new lanes between near places to turn. The new lanes have the largest possible margin. If no
-margin is possible, no lane leads through.
+A robot is wider across its corners than across its sides. So there are places that a robot can
+pass, but where it cannot turn. If a lane bends at such a place, or is hardly wider than the robot,
+new lanes between near places to turn replace it. The new lanes have the largest possible margin. If
+no margin is possible, no lane leads through the place.
 """
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from graph_editor.making.straights import (
 from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import NamedPlace
 
-NEAR = 1.5  # m; lanes within this distance of a tight corner may be replaced
+NEAR = 1.5  # m; lanes within this distance of a narrow corner may be replaced
 ASIDE = 0.8  # m; places to turn are searched within this distance of the lanes
-PLACES = 120  # number of places that are tried: those nearest to the tight places
+PLACES = 120  # number of places to turn that are tried, the nearest to the narrow places
 
 
 class Gap(NamedTuple):
@@ -41,14 +41,15 @@ class Gap(NamedTuple):
 
     position: Tuple[float, float]
     clearance: float
-    """The clearance there, m."""
+    """The clearance at the position, m."""
     length: float
     """The length of the lanes behind the gap, m."""
     places: Tuple[NamedPlace, ...]
     """The places behind the gap."""
 
     def note(self, found: Collection[NamedPlace]) -> str:
-        """Returns a note for people; `found`: places to which other lanes lead."""
+        """Returns a note for people about the gap; `found`: the places to which other lanes lead.
+        """
         x, y = self.position
         behind = f', nor to {self.length:.0f} m of lanes behind it' if self.length else ''
         names = ', '.join(place.name for place in self.places if place not in found)
@@ -61,9 +62,12 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
           homes: Sequence[Tuple[float, float]]) -> List[Gap]:
     """Replaces lanes that are too narrow, except at the nodes of `places`.
 
-    If no path is found, the lanes are removed. If the net then has several parts, only one of them
-    stays: the part with the largest number of places; among equals the part that robots reach from
-    the largest number of `homes` (m); then the longest part. The places of other parts are removed.
+    If no path is found, the lanes are removed. If the net then has several parts, only one part
+    stays: the part with the largest number of places. Among equals, robots must reach the part from
+    the largest number of `homes` (m); then the longest part stays. The places of other parts are
+    removed.
+
+    Returns the gaps.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
@@ -84,7 +88,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
-    """Adds a node at the narrowest place of each lane that is too narrow there."""
+    """Adds a node to each lane that is too narrow, at its narrowest place."""
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
         room = net.floor.clearance_at(points)
@@ -94,7 +98,7 @@ def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
 
 
 def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
-    """Yields nodes that a robot cannot pass, or at which it must turn but cannot."""
+    """Yields nodes that a robot cannot pass, and nodes at which it must turn but cannot."""
     for node in net.nodes:
         room = net.floor.clearance_of(net.positions[node])
         if room < least.straight and net.degree(node) > 1 or (
@@ -104,7 +108,9 @@ def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
 
 def _leave_out(net: LaneNet, places: Dict[int, NamedPlace], homes: Sequence[Tuple[float, float]],
                options: MakingOptions) -> Tuple[float, Tuple[NamedPlace, ...]]:
-    """Removes all parts of the net except one; returns the length (m) and places removed."""
+    """Removes all parts of the net except one. Returns the length of the removed lanes (m), and the
+    removed places.
+    """
     parts = list(net.components())
     if len(parts) == 1:
         return 0.0, ()
@@ -138,7 +144,9 @@ def _bends(net: LaneNet, node: int) -> bool:
 
 
 def _cluster(net: LaneNet, corner: int, least: Margin, held: Set[int]) -> Set[int]:
-    """Returns the nodes to replace: a corner, and near nodes that are too narrow or only bends."""
+    """Returns the nodes to replace: a corner, and near nodes that are too narrow or have only two
+    lanes.
+    """
     tight = set(_too_narrow(net, least)) - held
     cluster, ahead = {corner}, [corner]
     while ahead:
@@ -184,7 +192,9 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOpti
 
 def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
                   options: MakingOptions) -> np.ndarray:
-    """Returns places to turn (N,2): the nearest ones to the parts of the lanes without space."""
+    """Returns places to turn (N,2) that are nearest to the parts of the lanes without space to
+    turn.
+    """
     places = places_to_turn(net.floor, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]
     if not len(places) or not len(narrow):

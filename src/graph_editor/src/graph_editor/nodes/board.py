@@ -1,7 +1,7 @@
-"""Keeps the handles in RViz consistent with the session, and changes as few of them as possible.
+"""Keeps the handles in RViz consistent with the session, and changes as few handles as possible.
 
-While a vertex is dragged, the handle of its group has no other vertex, because RViz moves the whole
-handle with the mouse.
+While a vertex is dragged, the handle of its group contains no other vertices, because RViz moves
+the whole handle with the mouse.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NAMESPACE = 'graph_editor'
 MOVED = 0.02  # m; a shorter movement of the mouse is a click and not a drag
 Key = Tuple[str, int]
 Shown = Any
-"""The contents of a handle; the handle is drawn anew when they change."""
+"""The contents of a handle. When they change, the handle is drawn anew."""
 
 
 @dataclass
@@ -48,7 +48,7 @@ class Grabbed:
     """The position of the vertex before the drag, m."""
     handle_start: Tuple[float, float] = (0.0, 0.0)
     moved: Tuple[float, float] = (0.0, 0.0)
-    """The movement by the mouse until now, m."""
+    """The distance (x, y) by which the mouse has moved so far, m."""
     dragged: bool = False
 
 
@@ -75,12 +75,13 @@ class Board:
 
     @property
     def finding_places(self) -> List[Optional[Tuple[float, float]]]:
-        """The middles of the findings' texts (m), as `show` placed them; None: not shown."""
+        """The middle of each finding's text (m), as `show` placed it; None: the text is not shown.
+        """
         return [None if text is None else self._texts.middle(('finding', number))
                 for number, text in enumerate(self._finding_texts)]
 
     def mark(self, findings: Sequence[Finding]) -> None:
-        """Sets the findings to mark from now on."""
+        """Sets the findings that are marked from now on."""
         self._severities = {}
         self._finding_texts = [finding_text(finding) for finding in findings]
         for finding in findings:
@@ -159,7 +160,7 @@ class Board:
                 self._insert(marker)
 
     def _looks(self, severities: Mapping[Key, Optional[Severity]]) -> Dict[str, Dict[int, Look]]:
-        """Returns the looks, by kind and id, of the few elements that do not look plain."""
+        """Returns the looks of the elements that do not look plain, by kind and id."""
         looks: Dict[str, Dict[int, Look]] = {'vertex': {}, 'edge': {}}
         for (kind, id), severity in severities.items():
             if severity is not None:
@@ -191,7 +192,7 @@ class Board:
         elif kind == InteractiveMarkerFeedback.MOUSE_UP:
             clicked = not self.is_dragging
             if not clicked and self._grabbed is not None and self._grabbed.vertex is not None:
-                self._shown.pop(feedback.marker_name, None)  # RViz has moved it with the mouse
+                self._shown.pop(feedback.marker_name, None)  # RViz has moved the handle
             self._grabbed = None
             self._session.end_drag()
             if clicked:
@@ -211,7 +212,9 @@ class Board:
             self._grabbed.start = self._session.draft.vertices[id].position
 
     def _drag(self, feedback: InteractiveMarkerFeedback) -> bool:
-        """Moves the held element with the mouse; returns False while it is not a drag yet."""
+        """Moves the held element with the mouse. Returns False as long as the movement is too short
+        for a drag.
+        """
         grabbed, selected = self._grabbed, self._session.selected
         if grabbed is None or grabbed.handle != feedback.marker_name:
             return False
@@ -230,7 +233,7 @@ class Board:
         return True
 
     def _meant(self, feedback: InteractiveMarkerFeedback) -> Tuple[str, int]:
-        """Returns kind and id of the element under the mouse: the nearest one of the handle."""
+        """Returns kind and id of the element under the mouse: the nearest element of the handle."""
         what, _, group = feedback.marker_name.rpartition(' ')
         place = _place_of(feedback.mouse_point)
         if what == handles.EDGES:

@@ -63,14 +63,14 @@ from trajectory_graph.yaml_editing import GraphFile
 from trajectory_graph.yaml_file import dump_graph
 
 TICK = 0.1  # s between two periodic steps
-REST = 0.5  # s without a change, after which the whole graph is checked again
-GRAPH_PERIOD = 0.25  # s; the shortest time between two messages with drafts
+REST = 0.5  # s; after this time without a change, the whole graph is checked again
+GRAPH_PERIOD = 0.25  # s; the shortest time between two messages that contain drafts
 
 
 class EditorNode:
     """Connects a session to RViz, to the subscribers of its graph, and to the window.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes, because it connects all parts of the node.
     """
 
     def __init__(self, session: EditingSession, site: MappedSite, rules: CheckRules) -> None:
@@ -102,7 +102,7 @@ class EditorNode:
         self._timer.start()
 
     def show(self) -> None:
-        """Updates RViz after a change; the texts of the findings follow a little later."""
+        """Updates RViz after a change. The texts of the findings are updated a little later."""
         with self.lock:
             draft = self.session.draft
             if draft is not self._last_draft:
@@ -112,7 +112,9 @@ class EditorNode:
             self._words.publish(self.session.said)
 
     def _severities_of_changed(self) -> Dict[Key, Optional[Severity]]:
-        """Returns the severity of each changed element, checked alone; None: no finding."""
+        """Returns the severity of each changed element, each checked without the others; None: no
+        finding.
+        """
         draft, before = self.session.draft, self._last_draft
         vertices = {id for id, vertex in draft.vertices.items()
                     if before.vertices.get(id) is not vertex}
@@ -189,8 +191,9 @@ class EditorNode:
 def _keep_the_collector_short() -> None:
     """Excludes the present objects from later passes of the garbage collector.
 
-    A pass over the drawings of a thousand edges takes 80 ms, during which the editor does not react
-    to a drag. Almost all drawings are freed without the collector, because they are in no cycles.
+    A pass over the drawings of a thousand edges takes 80 ms. During this time the editor does not
+    react to a drag. Almost all drawings are freed without the collector, because they are not in
+    reference cycles.
     """
     gc.collect()
     gc.freeze()

@@ -11,7 +11,7 @@ from rviz_drawing import drawing, flat
 from rviz_drawing.text_places import VertexText, text_size
 
 HEIGHT, BELOW = 0.26, 0.6  # m; text height, and distance from the finding to the text's middle
-LINE = 40                  # letters in a line
+LINE = 40                  # largest number of letters in a line
 
 
 def finding_text(finding: Finding) -> Optional[VertexText]:

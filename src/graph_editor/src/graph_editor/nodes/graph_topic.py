@@ -18,8 +18,8 @@ Made = Dict[int, Tuple[Any, Any]]
 class GraphTopic:
     """Publishes drafts on a latched topic. An unchanged element keeps its message.
 
-    During a drag a draft is published four times a second, while the editor reacts to the mouse.
-    Creating 1,500 new messages would delay these reactions.
+    During a drag, drafts are published four times a second. If each draft needed 1,500 new
+    messages, the editor would react to the mouse with a delay.
     """
 
     def __init__(self, name: str) -> None:
@@ -28,7 +28,8 @@ class GraphTopic:
         self._edges: Made = {}
 
     def publish(self, draft: Draft) -> None:
-        """Publishes a valid draft; ignores an invalid one, so subscribers keep the last valid one.
+        """Publishes a valid draft. Ignores an invalid draft, so that subscribers keep the last
+        valid one.
         """
         try:
             draft.graph()

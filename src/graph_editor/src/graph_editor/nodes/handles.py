@@ -1,11 +1,11 @@
 """The handles of vertices, edges and splines as messages.
 
-RViz is slow with many handles and texts, so several elements share one handle. The place of the
-mouse shows the element that the person means. RViz moves a whole handle with the mouse. So the
-handles of vertices are invisible, and the visible drawings of vertices are not handles.
+RViz is slow with many handles and texts, so several elements share one handle. The position of the
+mouse shows which element the person means. During a drag, RViz moves a whole handle. So the handles
+of vertices are invisible, and the visible drawings of vertices are not handles.
 
-Left button: drags or selects a vertex, selects an edge. Right button: opens a menu. The selected
-vertex has a ball in front of it that turns it. The selected spline has two balls that bend it.
+Left button: drags or selects a vertex, selects an edge. Right button: opens a menu. A ball in front
+of the selected vertex turns the vertex. Two balls bend the selected spline.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ID_HEIGHT, ID_PLACE = 0.24, (0.16, 0.19)  # m; from the vertex to the left lower
 LABEL_HEIGHT, LABEL_PLACE = 0.3, (0.0, -0.36)  # m; from the vertex to the middle of its label
 UNLABELLED = ('', 'pass', 'parking')  # labels that are not shown
 HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
-EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # m; the mouse finds the highest one
+EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # m; the mouse hits the highest drawing
 SMOOTH = 0.15  # m between the points of a drawn curve
 BLUE, VIOLET, NAVY = colour(0.1, 0.4, 0.8), colour(0.55, 0.25, 0.8), colour(0.12, 0.2, 0.35)
 ORANGE, PURPLE, GREEN = colour(0.95, 0.55, 0.0), colour(0.6, 0.0, 0.6), colour(0.0, 0.6, 0.25)
@@ -38,17 +38,18 @@ UNSEEN = colour(0.0, 0.0, 0.0, 0.0)
 YELLOW, RED, AMBER, BLACK = (colour(1.0, 0.85, 0.1), colour(0.9, 0.05, 0.05),
                              colour(1.0, 0.6, 0.1), colour(0.05, 0.05, 0.05))
 GROUP = 25
-"""The number of edges in one handle. RViz is slow with a thousand handles, and also with the update
-of a handle of a thousand edges."""
+"""The number of edges in one handle. RViz is slow with a thousand handles, and it updates a handle
+with a thousand edges slowly.
+"""
 VERTEX_GROUP = 10
 EDGES, VERTICES, DRAWN = 'edges', 'vertices', 'drawn vertices'
-KEPT = 5_000  # largest number of cached drawings; each drag makes new ones
+KEPT = 5_000  # largest number of cached drawings; each drag makes new drawings
 TURNER, BENDERS = 'turn', ('bend f', 'bend b')
 """The names of the handles of the selected element."""
 
 
 class Look(NamedTuple):
-    """The properties, besides the element itself, on which the colour depends."""
+    """The properties on which an element's colour depends, besides the element itself."""
 
     severity: Optional[Severity] = None
     selected: bool = False
@@ -62,7 +63,7 @@ PLAIN = Look()
 class ShownVertex(NamedTuple):
     """The values on which the drawing of a vertex depends.
 
-    id_place, label_place -- the middles of its id and label (m); None: not shown
+    id_place, label_place -- the middles of the texts of id and label (m); None: not shown
     """
 
     vertex: Vertex
@@ -104,7 +105,7 @@ def vertices_handle(group: int, places: Iterable[Tuple[float, float]],
                     moved: Tuple[float, float] = (0.0, 0.0)) -> InteractiveMarker:
     """Returns the handle of a group of vertices: invisible discs at `places`.
 
-    moved -- the movement of the discs by the mouse, m
+    moved -- the distance (x, y) by which the mouse has moved the discs, m
     """
     marker = _handle(f'{VERTICES} {group}', moved)
     marker.menu_entries = _VERTEX_ENTRIES
@@ -146,7 +147,9 @@ def label_text(vertex: Vertex) -> Optional[VertexText]:
 @lru_cache(maxsize=KEPT)
 def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, float]],
                   label_place: Optional[Tuple[float, float]]) -> Tuple[Marker, Optional[Marker]]:
-    """Returns a disc, an arrow along the heading and the id as one marker, and the label."""
+    """Returns a marker with a disc, an arrow along the heading and the id, and a marker with the
+    label.
+    """
     paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
     parts = [flat.disc(VERTEX_SIZE, VERTEX_Z, paint),
              flat.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
@@ -168,7 +171,8 @@ def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, fl
 
 
 def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
-    """Returns the handle of a group of edges; the place of a click shows the clicked edge."""
+    """Returns the handle of a group of edges. The position of a click shows which edge was clicked.
+    """
     marker = _handle(f'{EDGES} {group}', (0.0, 0.0))
     marker.menu_entries = _EDGE_ENTRIES
     marker.controls.append(InteractiveMarkerControl(
@@ -251,7 +255,7 @@ def _plane_control(name: str, description: str, shapes: List[Marker]) -> Interac
     control = InteractiveMarkerControl(
         name=name, description=description, always_visible=True, markers=shapes,
         interaction_mode=InteractiveMarkerControl.MOVE_PLANE)
-    control.orientation.w = control.orientation.y = math.sqrt(0.5)  # the normal of its plane is z
+    control.orientation.w = control.orientation.y = math.sqrt(0.5)  # the normal of the plane is z
     return control
 
 

@@ -1,4 +1,4 @@
-"""Loads maps for the programs: from files, or with `topic:NAME` from an occupancy grid on a topic.
+"""Loads maps from files, or for `topic:NAME` from an occupancy grid on a topic.
 
 ROS is imported only for a topic, because files do not need a ROS master.
 """
@@ -19,7 +19,9 @@ PATIENCE = 10.0  # s to wait for a map
 
 
 def load_map(name: str, options: SiteOptions) -> MappedSite:
-    """Returns the site of a map file or of the topic after `topic:`; raises SiteError, MapError."""
+    """Returns the site of a map file, or of the map on a topic (`topic:NAME`). Raises SiteError,
+    MapError.
+    """
     if not name.startswith(TOPIC):
         return load_site(name, options)
     return site_of_message(_received(name[len(TOPIC):]), options, name)

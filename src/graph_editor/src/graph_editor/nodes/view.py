@@ -1,5 +1,5 @@
-"""Opens RViz with a view of the whole map. This program is not a ROS node; it replaces itself by
-RViz.
+"""Opens RViz with a view of the whole map. This program is not a ROS node; RViz replaces its
+process.
 
     graph_editor_view MAP_FILE CONFIGURATION [more arguments of rviz]
 """
@@ -19,7 +19,7 @@ from graph_editor.make_cli import ERRORS
 from graph_editor.nodes.live_map import load_map
 from graph_editor.site import SiteOptions
 
-WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
+WIDTH, HEIGHT = 1248, 808  # px, the 3D view in the window of the configuration
 BORDER = 0.8  # m around the map
 WORDS_ABOVE = 1.2  # m above the map for the message
 

@@ -1,6 +1,7 @@
 """The window beside RViz: texts and numbers of the selected element, findings, undo and saving.
 
-RViz markers do not accept texts and numbers. The window is updated ten times a second.
+The window is needed because RViz markers do not accept typed texts and numbers. It is updated ten
+times a second.
 """
 from __future__ import annotations
 
@@ -57,7 +58,9 @@ class EditorWindow(QtWidgets.QMainWindow):
         self._timer.start(PERIOD)
 
     def _put_beside_rviz(self) -> None:
-        """Moves the window to the right edge of the screen, with space for some findings."""
+        """Moves the window to the right edge of the screen, and makes it high enough for some
+        findings.
+        """
         screen = QtWidgets.QApplication.primaryScreen()
         if screen is None:
             return
@@ -158,7 +161,9 @@ class _Form(QtWidgets.QStackedWidget):
             self.addWidget(page)
 
     def show_element(self, selected: Optional[Selected], draft: Any) -> None:
-        """Shows the fields of the selected element; does not change a field during typing."""
+        """Shows the fields of the selected element. Does not change a field while a person types in
+        it.
+        """
         if selected is None:
             self._element = None
             self.setCurrentIndex(0)
@@ -230,7 +235,7 @@ class _VertexFields(_Fields):
 
     def show_element(self, vertex: Vertex) -> None:
         """Shows the values of a vertex."""
-        self._element = None  # so that setting the widgets does not count as an edit
+        self._element = None  # setting the widgets must not count as an edit
         self.setTitle(f'Vertex {vertex.id}')
         self._label.setText(vertex.label)
         self._x.setValue(vertex.x)
