@@ -1,10 +1,12 @@
 """Files and modules that the documents name exist; the pages follow further rules."""
 from __future__ import annotations
 
+import ast
 import functools
 import re
 import shutil
 import subprocess
+from importlib import import_module
 from pathlib import Path
 from typing import FrozenSet, List, Set
 
@@ -56,6 +58,16 @@ def is_of_workflow(link: str) -> bool:
     """
     words = re.fullmatch(r'\.\./\.\./actions/workflows/([\w.]+\.yml)(?:/badge\.svg)?', link)
     return words is not None and (ROOT / '.github/workflows' / words.group(1)).is_file()
+
+
+def test_what_the_python_examples_import_is_there():
+    names = [(name_of(document), node.module, alias.name) for document in DOCUMENTS
+             for code in re.findall(r'```python\n(.*?)```', document.read_text(encoding='utf-8'),
+                                    re.DOTALL)
+             for node in ast.walk(ast.parse(code)) if isinstance(node, ast.ImportFrom)
+             for alias in node.names]
+    assert len(names) > 5
+    assert [one for one in names if not hasattr(import_module(one[1]), one[2])] == []
 
 
 def test_the_headline_figures_stand_on_the_pages_to_which_they_link():
