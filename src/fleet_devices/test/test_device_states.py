@@ -129,7 +129,7 @@ def deliver(world: World, who: int, number: int) -> World:
 
 
 def release_unknown(world: World) -> World:
-    """A person has checked that nobody is in the device, and gives it back for `unknown`."""
+    """A person has checked that no robot is in the device, and ends the use by `unknown`."""
     request = DeviceRequest(UNKNOWN_REQUESTER, 'gate', DeviceMode.CLOSED, 9)
     after = world.device.ask(request, world.now, 0.0)
     known = {one.use.requester for one in after.obeyed if one.use.holds}

@@ -127,7 +127,7 @@ OPTIONAL = {
 
 
 def with_null(order, path):
-    """The order with null at a path, in each element of the lists on the way."""
+    """The order with null in the field that a JSON path names, in each element of its lists."""
     *parents, key = path.split('.')
     holders = [order]
     for parent in parents:

@@ -1,4 +1,4 @@
-"""Ctrl-C ends a node's program, and a command, from its first line on."""
+"""Ctrl-C ends the program of a node or of a command, even while its first line runs."""
 from __future__ import annotations
 
 import signal

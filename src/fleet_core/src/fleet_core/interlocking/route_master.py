@@ -107,7 +107,7 @@ class Memory(NamedTuple):
     """The state of a route master that must survive a restart.
 
     position   -- where the robot stands
-    locations  -- of the last two locations, those that matter after a restart; the newest is first
+    locations  -- at most two, the newest first: the last locations that matter after a restart
     """
 
     protocol: MasterState = MasterState()

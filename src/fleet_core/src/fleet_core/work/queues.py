@@ -141,7 +141,7 @@ class _Turns:
                 self.give(one.robot)
 
     def give_rest(self, order: Iterable[str]) -> None:
-        """Gives turns to robots that do not claim the station, in this order."""
+        """Gives turns, in the given order, to those robots that do not claim the station."""
         for name in order:
             if name not in self._inside and self.has_room:
                 self.give(name)

@@ -83,9 +83,10 @@ def _moments(path: np.ndarray) -> np.ndarray:
 
 
 def _straying(starts: np.ndarray, end: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Returns integrals (N,; m3) along the path of its squared distance from straight lines.
+    """Returns how far a path strays from each of N straight lines, as N integrals (m3).
 
-    The lines lead from `starts` (N,2) to `end`. The integral is infinite if start and end coincide.
+    The lines lead from `starts` (N,2) to `end`. The squared distance between path and line is
+    integrated along the path. The integral is infinite if start and end coincide.
 
     moments -- (N,6): the moments of the path between these points
     """
