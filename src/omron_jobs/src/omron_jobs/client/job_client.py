@@ -52,7 +52,7 @@ RESENT_WITHIN = 300.0   # s after sending, within which an unknown job is sent a
 ANSWERED_WITHIN = 10.0  # s to wait for an answer before the link is ended
 ASKED_EVERY = 10.0      # s without news of an open job, after which it is queried
 MOST_OPEN = 1000
-MOST_ENDED = 1000       # jobs that have ended, and are remembered for their callers
+MOST_ENDED = 1000       # largest number of ended jobs that are kept for their callers
 
 Store = Callable[[Sequence[HandedJob]], None]
 """Stores all jobs, forced to the disk. Raises OSError."""
@@ -88,7 +88,7 @@ class JobClient:
         self._heard: Dict[str, float] = {}      # when the last news of each job came on this link
         self._asked: Dict[str, float] = {}      # when each job was queried on this link
         self._errors: Dict[str, str] = {}       # why a job was refused, until it is queried
-        self._unsure: Set[str] = set()          # jobs to query, as a modification was answered
+        self._unsure: Set[str] = set()          # jobs to query after the answer to a modification
         self._tried: Set[str] = set()           # modifications that were sent on this link
         self._changed: Dict[str, HandedJob] = {}
         self._is_stored = True
@@ -299,7 +299,7 @@ class JobClient:
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
-        """Returns whether to query a job: after an error or a modification, or without recent news.
+        """Returns whether to query a job: there was an error, a modification, or no recent news.
 
         A job to be cancelled is queried, and its cancellation repeated, until it has ended.
         """

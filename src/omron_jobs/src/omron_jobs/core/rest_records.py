@@ -222,7 +222,7 @@ class RestRecords:
                 self._put(RestType.STORE_VALUE, {'namekey': item, 'value': str(value)})
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
-        """Updates the records of these changed segments, in order, and then all with `refresh`."""
+        """Updates the records of these changed segments, in order, and then calls `refresh`."""
         self._find_new_jobs()
         for change in changes:
             job = self._shown.get(self._by_segment.get(change.segment.number, 0))

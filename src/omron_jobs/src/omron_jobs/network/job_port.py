@@ -108,7 +108,7 @@ class _Client(asyncio.Protocol):
         self._is_first = True
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begins a session if the other side is a peer."""
+        """Begins a session if the port accepts the connection."""
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info('peername')
         if not peer or not self._port.joins(self, peer[0]):

@@ -56,7 +56,7 @@ class Faults:
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
-        """Applies `[SECONDS] FAULT` at this time of the simulated clock, or without SECONDS now."""
+        """Applies a fault `[SECONDS] FAULT` when the clock shows SECONDS; without SECONDS, now."""
         first, _, rest = line.strip().partition(' ')
         try:
             float(first)

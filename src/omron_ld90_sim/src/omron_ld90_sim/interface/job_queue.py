@@ -130,8 +130,8 @@ class JobQueue:
         return found
 
     def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
-        """Gives a modifiable segment another goal or priority. If it is driven, it is interrupted,
-        and waits again.
+        """Gives a modifiable segment another goal or priority. If a robot drives for it, the drive
+        ends, and the segment waits again.
         """
         was_driven, waited = segment.status == 'InProgress', segment.substatus
         self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')

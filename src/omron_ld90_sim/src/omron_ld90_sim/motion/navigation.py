@@ -16,7 +16,7 @@ from omron_ld90_sim.motion.track import SmoothTrack
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot needs to stop, plus its size
-SHORTEST_LEAD = 5.0         # mm left on a track with which a new course can still begin
+SHORTEST_LEAD = 5.0         # mm that must be left on a track for a new course to begin on it
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance at which a new course begins
 PLAN_AROUND = 8000.0        # mm within which paths avoid other robots
 LOOK_STEP = 200.0           # mm between the examined places
@@ -101,7 +101,7 @@ class Navigation:
         except NoWay as reason:
             if not obstacles:
                 raise
-            self.planner.plan(start, x, y, heading)     # raises if obstacles are not the cause
+            self.planner.plan(start, x, y, heading)     # raises NoWay if obstacles are not the cause
             raise Blocked(str(reason)) from reason
 
     @property

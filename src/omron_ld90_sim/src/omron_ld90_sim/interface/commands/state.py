@@ -157,7 +157,7 @@ def get_info(call: CommandCall) -> None:
 
 @command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: CommandCall) -> None:
-    """Creates an info. Of a value without quotes, only the first word counts. The value is cut to
+    """Creates an info. If the value has no quotes, only its first word counts. The value is cut to
     `<maxLen>` characters.
     """
     name, length = call.arguments[0], int(call.number(1))
