@@ -211,7 +211,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(drives=st.integers(0, 3))
     def wait(self, drives: int = 0) -> None:
-        """Enough time passes for the Fleet Manager to distribute jobs, and the client to query."""
+        """Time passes. The Fleet Manager can distribute jobs, and the client can query."""
         self.clock.advance(self.clock.now + 0.2)
         for _ in range(drives):
             for robot in range(2):

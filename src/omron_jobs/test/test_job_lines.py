@@ -1,9 +1,9 @@
 """Each line of OMRON's sources that the server sends, byte for byte, with its source.
 
 A row is a conversation: `> ` is a line of a client, `< ` a line that must follow, and `* ` an act
-of the fleet. The lines were copied from the sources, not from the server. Of the sources, "p." is a
-page of OMRON's ARCL manual (I617-E-01), a name is a client program, and "real" is a line that a
-Fleet Manager has sent.
+of the fleet. The lines were copied from the sources, not from the server. A source is a page ("p.")
+of OMRON's ARCL manual (I617-E-01), the name of a client program, or "real": a Fleet Manager has
+sent the line.
 """
 from __future__ import annotations
 
@@ -179,7 +179,7 @@ ROWS: Dict[str, Sequence[str]] = {
     'empty lists, p. 230-234': (
         '> queueShow', '< EndQueueShow', '> queueShowCompleted', '< EndQueueShowCompleted',
         '> queueShowRobot', '< EndQueueShowRobot'),
-    # -- what clients ask beside -------------------------------------------------------------------
+    # -- other queries of clients ------------------------------------------------------------------
     'queryFaults, p. 187: a client reads on until EndQueryFaults': (
         '* robot a Available Available', '* robot b UnAvailable EStopPressed',
         '* robot c UnAvailable Fault_Driving_Application_failed',

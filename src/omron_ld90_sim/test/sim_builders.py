@@ -220,7 +220,7 @@ class Obstacles:
         return float(outside(pose, self._points[near]).min()) if near else 270.0
 
     def clearances(self, places: np.ndarray) -> np.ndarray:
-        """The distance (mm) from each place (N, 2) of the turning centre to the nearest obstacle."""
+        """The distance (mm) from each place (N, 2) of the turning centre to the next obstacle."""
         return self._tree.query(places)[0]
 
 

@@ -50,7 +50,7 @@ from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission, after which a question is sent
-QUESTIONS = 10      # per second, about silent missions at most: a thousand may be silent
+QUESTIONS = 10      # largest number per second: a thousand missions may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
@@ -97,7 +97,7 @@ class FleetAct(Enum):
 
     REQUEST = 'request'
     CANCEL = 'cancel'
-    CHANGE = 'change'   # priority (of the first segment), and stops from `first` on
+    CHANGE = 'change'   # priority (of the first segment), stop `first` and all later stops
     ASK = 'ask'         # queries the stored state of its mission
 
 

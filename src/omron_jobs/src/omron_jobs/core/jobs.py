@@ -316,7 +316,7 @@ def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missi
 
 
 def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
-    """Returns the status of a segment that a robot serves; never a status before the present one.
+    """Returns the status of a segment that a robot serves; never a status that precedes the last.
     """
     course = _course_with(robot, segment.kind)
     seen = 1

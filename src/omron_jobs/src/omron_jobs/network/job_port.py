@@ -60,8 +60,7 @@ class JobPort:
         return int(self._listening.sockets[0].getsockname()[1])
 
     def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
-        """Returns the protocol for a connection that this server opens. `ended` is set at its end.
-        """
+        """Returns the protocol for a connection that this server opens. Its end sets `ended`."""
         return DialledClient(self, ended)
 
     def flush(self) -> None:

@@ -27,7 +27,7 @@ class HelpLayout(Enum):
 
 
 class Encoding(Enum):
-    """The encoding of names that are not ASCII; by default the bytes of the map."""
+    """The encoding of names that are not ASCII; by default as in the map file."""
 
     RAW = 'raw'
     ASCII = 'ascii'

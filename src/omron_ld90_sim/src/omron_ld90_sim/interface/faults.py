@@ -29,7 +29,7 @@ class NoSuchFault(ValueError):
 
 
 class Faults:
-    """Applies faults to one robot. Each public method is the fault of that name.
+    """Applies faults to one robot. Each public method applies the fault of its name.
 
     The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
 

@@ -1,7 +1,7 @@
 """The queue of a simulated Fleet Manager: jobs, their segments, and the robots that serve them.
 
     status      event                                     next status
-    Pending     its turn, and a robot is free             InProgress
+    Pending     it is due, and a robot is free            InProgress
                 cancelled                                 Cancelled
                 modified                                  BeforeModify, AfterModify, Pending
     InProgress  its robot has reached the goal            Completed
@@ -176,7 +176,7 @@ class JobQueue:
                 self._part(one)
 
     def advance(self) -> None:
-        """Begins the segment that is due for each free robot."""
+        """Begins for each free robot the segment that is due."""
         busy = {one.robot for one in self.segments if one.is_open and one.status != 'Pending'}
         for robot in self.robots:
             if robot.is_free and robot.name not in busy:

@@ -12,7 +12,7 @@ LONGEST = 1e6               # s, for times
 
 
 def number(text: object, minimum: float, maximum: float) -> float:
-    """Returns a number within the limits. Raises ValueError, with a sentence, for another text."""
+    """Returns a number within the limits. Raises ValueError, with a sentence, for other texts."""
     try:
         value = float(str(text))
     except ValueError:

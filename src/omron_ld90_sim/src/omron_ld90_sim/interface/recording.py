@@ -1,6 +1,6 @@
 """Session logs: `--log` writes them, `--replay` plays them back.
 
-docs/reference/session_log.md describes the format; the controller's `~session_log` uses it, too.
+docs/reference/session_log.md describes the format. The controller's `~session_log` also uses it.
 """
 from __future__ import annotations
 

@@ -61,9 +61,8 @@ class Base:
     def brake(self, deceleration: Optional[float] = None) -> None:
         """Brakes to a stop during the present manoeuvre, and drops the manoeuvres after it.
 
-        A later call can only make the braking harder.
-        `deceleration` is in mm/s2. In a bend the base brakes less, because the change of its
-        rotation has a limit, too.
+        A later call can only make the braking harder. `deceleration` is in mm/s2. In a bend the
+        base brakes less, because its rotation must not change too fast.
         """
         if self._queue:
             self._queue = deque([self._queue[0]])

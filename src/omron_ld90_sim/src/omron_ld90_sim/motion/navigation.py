@@ -101,7 +101,7 @@ class Navigation:
         except NoWay as reason:
             if not obstacles:
                 raise
-            self.planner.plan(start, x, y, heading)     # raises NoWay if obstacles are not the cause
+            self.planner.plan(start, x, y, heading)     # NoWay: obstacles are not the cause
             raise Blocked(str(reason)) from reason
 
     @property

@@ -214,7 +214,7 @@ class Planner:
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
         i, vertices = 0, [raw[0]]
-        spare: Set[int] = set()     # indices of vertices beside a narrow place, perhaps needless
+        spare: Set[int] = set()     # indices of vertices that may be needless
         while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
@@ -231,7 +231,7 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices without the needless ones among those with indices in `spare`.
+        """Returns the vertices. Leaves out needless vertices whose indices are in `spare`.
 
         A vertex is needless if the straight between its neighbours is free.
         """
@@ -247,7 +247,7 @@ class Planner:
         straight through the narrow place between them; None: this is impossible.
 
         Uses one turnable point near `a` and one near `b`: the pair with the largest clearance
-        between the two points. The planner's grid is too coarse for a gap hardly wider than the body.
+        between the two. The planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
