@@ -139,7 +139,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
     @rule(goal=st.integers(0, 1), other=st.integers(0, 1))
     def modify_what_is_queued(self, goal: int, other: int) -> None:
         """A job that the Fleet Manager has just queued gets other goals and priorities, so that
-        one modification needs several commands. Random rules seldom come in this order.
+        one modification needs several commands. Random rules seldom cause this.
         """
         self.request(goal)
         self.carry_to_server(10_000)

@@ -53,7 +53,7 @@ ROWS: Dict[str, Sequence[str]] = {
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Allocated Goal "x" "Lynx1" {OPEN} 0 ',
         '* drives',
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Driving Goal "x" "Lynx1" {OPEN} 0 ',
-        '* wait 16', '* done',  # the same robot continues at once; the queuing times stay
+        '* wait 16', '* done',  # the same robot continues at once; queuing times do not change
         f'< QueueUpdate: PICKUP12 JOB12 10 Completed None Goal "x" "Lynx1" {AT} {LATER} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress UnAllocated Goal "y" "Lynx1" {OPEN} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress Allocated Goal "y" "Lynx1" {OPEN} 0 ',

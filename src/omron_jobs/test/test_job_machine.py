@@ -186,8 +186,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(which=PICK, state=st.sampled_from((State.FAILED, State.CANCELLED)))
     def end_unheard(self, which: int, state: State) -> None:
-        """A mission that the job server knows ends, and its status is lost. Random rules seldom
-        come in this order.
+        """The job server knows a mission. The mission ends, and its last status is lost. Random
+        rules seldom cause this.
         """
         self.exchange([], False)
         open_ones = [key for key, one in self.fleet.missions.items() if one.shown.state.is_open]

@@ -45,7 +45,7 @@ LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
 """Arc lengths along a curved outline; a fence may be parallel to the chord of such an arc."""
 STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
-WORTH = 1.5  # a fence across a whole block must cover more points than another by this factor
+WORTH = 1.5  # a fence across a whole block must cover so many times the points of another
 INSET = 1.0  # width at either side of a fence in which edges do not limit its growth
 MANY = 2000  # if there are at least so many outline points, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE

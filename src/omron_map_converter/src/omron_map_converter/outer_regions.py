@@ -32,7 +32,7 @@ class OuterRegion(NamedTuple):
     directions: np.ndarray
     """(N,2), the outline's unit direction at each point."""
     rings: List[np.ndarray]
-    """Indices of the points of each closed part of the outline, in order."""
+    """For each closed part of the outline, the indices of its points in order."""
     edges: np.ndarray
     """(M,2,2), segments of at most LONGEST_EDGE that no fence may cross."""
 

@@ -79,7 +79,7 @@ def command_of(job: HandedJob) -> str:
 
 
 def query_of(job: HandedJob) -> str:
-    """Returns the query whether the Fleet Manager knows a job, and in which states it is."""
+    """Returns the query for the segments of a job and their states. An unknown job has none."""
     return f'queueQuery jobId {job.id}'
 
 

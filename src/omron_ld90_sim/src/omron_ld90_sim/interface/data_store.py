@@ -81,7 +81,7 @@ class DataStore:
         return self.robot.state_times
 
     def reset_trip(self) -> List[StoredValue]:
-        """Begins a new trip. Returns its counters; dates are no counters."""
+        """Begins a new trip. Returns the counters of the trip, without its date."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
         return [field for group in GROUPS.values() for field in group.fields

@@ -102,7 +102,7 @@ class JobQueue:
 
     def add(self, wanted: Sequence[NewSegment], job: str,
             swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
-        """Queues a job and returns its segments; calls no `tell`. Raises DoubleJob."""
+        """Queues a job and returns its segments; does not call `tell`. Raises DoubleJob."""
         if any(one.is_open and one.job.lower() == job.lower() for one in self.segments):
             raise DoubleJob(f'job id "{job}" is that of an active job')
         added: List[QueueSegment] = []

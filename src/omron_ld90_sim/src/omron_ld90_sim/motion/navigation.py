@@ -20,7 +20,7 @@ SHORTEST_LEAD = 5.0         # mm that must be left on a track for a new course t
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance at which a new course begins
 PLAN_AROUND = 8000.0        # mm within which paths avoid other robots
 LOOK_STEP = 200.0           # mm between the examined places
-STOP_STEP = 600.0           # mm between the discs that stand for a robot on its way to rest
+STOP_STEP = 600.0           # mm between the discs that represent a braking robot
 _ANGLES = np.radians(np.arange(0, 360, 30))
 RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle for the laser
 

@@ -189,7 +189,7 @@ class Planner:
 
     def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
                      ) -> Optional[np.ndarray]:
-        """Returns the cheapest chain of cells near the two ends; this search is faster.
+        """Returns the cheapest chain of cells near the two ends, faster than a full search.
 
         Returns None if a path farther away might be cheaper.
         """
