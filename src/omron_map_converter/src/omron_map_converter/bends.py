@@ -72,7 +72,7 @@ class _Ways:
 
     def _turn_ahead(self, edge: int, s: np.ndarray, reach: float) -> np.ndarray:
         """Returns the angles (N,) by which the path turns
-        on the `reach` (m) after the arc lengths `s` (N,).
+        within `reach` (m) after each arc length of `s` (N,).
         """
         curve = self._graph.curve(edge)
         turn = curve.turned(s + reach) - curve.turned(s)

@@ -47,7 +47,7 @@ STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
 WORTH = 1.5  # a fence across a whole block must cover so many times the points of another
 INSET = 1.0  # width at either side of a fence in which edges do not limit its growth
-MANY = 2000  # if there are at least so many outline points, only near points are examined
+MANY = 2000  # if there are more outline points than this, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
 
@@ -122,7 +122,7 @@ class _Cover:
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
-        """Returns a fence at a point of a ring: that with the largest number of open points."""
+        """Returns the fence with the greatest worth at a point of a ring, deepened if possible."""
         origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
         offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)

@@ -50,14 +50,14 @@ from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission, after which a question is sent
-QUESTIONS = 10      # largest number per second: a thousand missions may be silent
+QUESTIONS = 10      # largest number of questions per second; a thousand missions may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
 
 
 class JobRefused(Exception):
-    """A command is not carried out. The text continues a sentence that begins with its name."""
+    """A refused command. The text continues a sentence that begins with the command's name."""
 
 
 class JobCounters(NamedTuple):
@@ -294,7 +294,7 @@ class JobBook:
                 else:
                     self._silent_from = min(self._silent_from, last + SILENCE)
         self._asked = max(self._asked, now - SILENCE) + min(len(silent), most) / QUESTIONS
-        if len(silent) > most:  # a robot serves the first ones; then the oldest news first
+        if len(silent) > most:  # jobs with a robot come first, then those with the oldest news
             silent.sort(key=lambda one: one[:2])
             self._silent_from = now
         for _, _, job in silent[:most]:

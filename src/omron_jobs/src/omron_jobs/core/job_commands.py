@@ -292,7 +292,7 @@ class JobCommands:
                          words.END_OF_GROUP_VALUES))
 
     def groups(self) -> Dict[str, Dict[str, object]]:
-        """Returns the values by name, in groups by name."""
+        """Returns the groups of values: for each name of a group, its values by name."""
         counters = self._book.counters
         statuses = [one.told.status for job in self._book.jobs for one in job.segments]
         return {'FleetRobotInformation': {'Robots': len(self._site.robots)},

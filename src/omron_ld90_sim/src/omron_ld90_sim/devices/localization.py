@@ -15,7 +15,7 @@ _NO_ERROR = SimPose(0.0, 0.0, 0.0)
 
 
 class Localization:
-    """The pose that a robot believes: its true pose plus `error`, which is 0 unless it is lost."""
+    """The believed pose: the true pose plus `error`. `error` is 0 unless the robot is lost."""
 
     def __init__(self, clock: SimClock, seed: int) -> None:
         self.error = _NO_ERROR
