@@ -17,7 +17,7 @@ def visited(first: State, key: Callable[[State], object],
     """Visits every state. Returns the number of states; raises Broken with the path to the state.
 
     key    -- returns a value that is equal for equal states
-    events -- returns the events that can happen in a state, with names; they may raise Broken, too
+    events -- returns the events that can happen in a state, with names; an event may raise Broken
     check  -- raises Broken for a state that is wrong
     """
     seen: Dict[object, Tuple[Optional[object], str]] = {key(first): (None, 'start')}

@@ -21,7 +21,7 @@ from route_protocol.devices import UNKNOWN_REQUESTER, DeviceMode, DeviceReport, 
 
 TIMEOUT = OFFLINE_AFTER = 1
 LIMITS = DeviceLimits(TIMEOUT, OFFLINE_AFTER)
-OLD = 2           # all ages from this on are equivalent: they are above both limits
+OLD = 2           # all ages of at least this are equivalent: they are above both limits
 STEADY = 2
 REQUESTERS = ('a', 'b')
 MOST = {'a': 2, 'b': 1 if is_whole(__file__) else 0}  # the number of a requester's last request
@@ -61,7 +61,7 @@ def key(world: World) -> object:
     """The part of the state that decides the future: ages instead of times, relations instead of
     counts.
 
-    Of the readings that count, only two facts matter: the last reading, and whether the reading
+    Two facts about the readings that count are enough: the last reading, and whether the reading
     before it was equal.
     """
     last = world.readings[-1:]
@@ -233,7 +233,7 @@ def steps(world: World) -> Iterator[Step]:
 
 
 def check_live(world: World, checked: Set[object]) -> None:
-    """The device reaches its mode if from now on no message is lost, and it obeys its output.
+    """The device reaches its mode if from now on no message is lost, and the device obeys.
 
     checked -- the states that were checked before
     """

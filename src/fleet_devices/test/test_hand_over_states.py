@@ -209,7 +209,7 @@ def events(world: World) -> Iterator[Event]:
 
 
 def check_live(world: World, checked: Set[object]) -> None:
-    """A step that runs ends if from now on the device works, or is silent.
+    """A running step ends if from now on the device works, or is silent.
 
     checked -- the states that were checked before
     """

@@ -70,7 +70,7 @@ class Line:
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
             ) -> List[str]:
-        """The lines that follow when a mission gets a state, and its robot, if any, drives."""
+        """The lines that follow when a mission gets a state; its robot, if it has one, drives."""
         self.fleet.set(self.key(number), state, robot)
         return [*self.show(self.key(number)), *self.drive()]
 

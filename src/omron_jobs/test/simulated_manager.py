@@ -57,7 +57,7 @@ class Cut:
 
 
 class ManagerPort:
-    """The Fleet Manager with one robot, which drives while `drives`; a context manager.
+    """The Fleet Manager with one robot, which drives only while `drives` is set; a context manager.
 
     Tests set and read its attributes; one thread owns the sockets.
     """
@@ -68,8 +68,8 @@ class ManagerPort:
         self.cut: Optional[Cut] = None
         self.drives, self.mute = True, False
         self.chunk = 1 << 20                # bytes that are sent at a time
-        self.before = b''                   # is sent before the next answer
-        self.swallowed: Optional[bytes] = None      # lines that begin with it have no effect
+        self.before = b''                   # to be sent before the next answer
+        self.swallowed: Optional[bytes] = None      # lines that begin so are ignored
         self.heard: List[str] = []
         self.logins = 0
         self._server = socket.create_server(('127.0.0.1', 0))

@@ -101,7 +101,8 @@ class ClientAgainstServer(RuleBasedStateMachine):
 
     @rule(is_answered=st.booleans())
     def talk(self, is_answered: bool) -> None:
-        """The client sends the lines that are due. It gets the answers, or the link is lost before.
+        """The client sends the lines that are due. It gets the answers if `is_answered`; if not,
+        the link is lost.
         """
         for _ in range(30):
             lines = self.client.due(self.now)

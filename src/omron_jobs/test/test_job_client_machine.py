@@ -139,7 +139,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
     @rule(goal=st.integers(0, 1), other=st.integers(0, 1))
     def modify_what_is_queued(self, goal: int, other: int) -> None:
         """A job that the Fleet Manager has just queued gets other goals and priorities, so that
-        one modification needs several commands. Random rules seldom come in this order.
+        one modification needs several commands. Random rules seldom cause this.
         """
         self.request(goal)
         self.carry_to_server(10_000)
@@ -211,7 +211,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(drives=st.integers(0, 3))
     def wait(self, drives: int = 0) -> None:
-        """Enough time passes for the Fleet Manager to distribute jobs, and the client to query."""
+        """Time passes. The Fleet Manager can distribute jobs, and the client can query."""
         self.clock.advance(self.clock.now + 0.2)
         for _ in range(drives):
             for robot in range(2):

@@ -1,9 +1,9 @@
 """Each line of OMRON's sources that the server sends, byte for byte, with its source.
 
 A row is a conversation: `> ` is a line of a client, `< ` a line that must follow, and `* ` an act
-of the fleet. The lines were copied from the sources, not from the server. Of the sources, "p." is a
-page of OMRON's ARCL manual (I617-E-01), a name is a client program, and "real" is a line that a
-Fleet Manager has sent.
+of the fleet. The lines were copied from the sources, not from the server. A source is a page ("p.")
+of OMRON's ARCL manual (I617-E-01), the name of a client program, or "real": a Fleet Manager has
+sent the line.
 """
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ ROWS: Dict[str, Sequence[str]] = {
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Allocated Goal "x" "Lynx1" {OPEN} 0 ',
         '* drives',
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Driving Goal "x" "Lynx1" {OPEN} 0 ',
-        '* wait 16', '* done',  # the same robot continues at once; the queuing times stay
+        '* wait 16', '* done',  # the same robot continues at once; queuing times do not change
         f'< QueueUpdate: PICKUP12 JOB12 10 Completed None Goal "x" "Lynx1" {AT} {LATER} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress UnAllocated Goal "y" "Lynx1" {OPEN} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress Allocated Goal "y" "Lynx1" {OPEN} 0 ',
@@ -179,7 +179,7 @@ ROWS: Dict[str, Sequence[str]] = {
     'empty lists, p. 230-234': (
         '> queueShow', '< EndQueueShow', '> queueShowCompleted', '< EndQueueShowCompleted',
         '> queueShowRobot', '< EndQueueShowRobot'),
-    # -- what clients ask beside -------------------------------------------------------------------
+    # -- other queries of clients ------------------------------------------------------------------
     'queryFaults, p. 187: a client reads on until EndQueryFaults': (
         '* robot a Available Available', '* robot b UnAvailable EStopPressed',
         '* robot c UnAvailable Fault_Driving_Application_failed',

@@ -1,7 +1,7 @@
 """Jobs, cancellations, lost messages and clients, full disks and restarts, in any order.
 
 The model is the lines that clients got. Each job that was `successfully queued` is done once, or
-ends in another state; its lines agree with its mission. Records that were posted over REST stay.
+ends in another state; its lines agree with its mission. Records posted over REST are kept.
 """
 from __future__ import annotations
 
@@ -186,8 +186,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(which=PICK, state=st.sampled_from((State.FAILED, State.CANCELLED)))
     def end_unheard(self, which: int, state: State) -> None:
-        """A mission that the job server knows ends, and its status is lost. Random rules seldom
-        come in this order.
+        """The job server knows a mission. The mission ends, and its last status is lost. Random
+        rules seldom cause this.
         """
         self.exchange([], False)
         open_ones = [key for key, one in self.fleet.missions.items() if one.shown.state.is_open]
@@ -271,8 +271,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
 
 class JobsOfBothInterfaces(JobsInAnyOrder):
-    """Cancellations and modifications come over REST, too. The machine without REST is separate
-    because it finds nearly all planted faults sooner."""
+    """Here cancellations and modifications also come over REST. The machine without REST is
+    separate because it finds nearly all planted faults sooner."""
 
     @rule(which=PICK, key=st.sampled_from(('', 'a', 'b')), wish=st.sampled_from((
         ('JobCancel', {'cancelReason': 'why'}), ('JobSegmentModify', {'priority': 4}),

@@ -45,7 +45,7 @@ PATHS = {
 
 
 class Site:
-    """A server with a fleet. `ask` and `post` act as a client of REST, `arcl` as one of ARCL."""
+    """A server with a fleet. `ask` and `post` act as a REST client, `arcl` as an ARCL client."""
 
     def __init__(self, disk: Optional[Disk] = None, fleet: Optional[FakeFleet] = None,
                  now: float = 1000.0) -> None:

@@ -12,7 +12,7 @@ from omron_ld90_sim.motion.track import Turn
 
 
 class Inspector:
-    """Records every step of a base; `check` compares them with obstacles and limits."""
+    """Records the steps of a base; `check` compares them with obstacles and limits."""
 
     def __init__(self, obstacles: Obstacles, base: Base) -> None:
         # the body never crosses the border of an area, so only its start must be checked

@@ -47,7 +47,7 @@ class Canvas:
                                     LEAST_TEXT_HEIGHT))
         self._scalable = isinstance(self._font, ImageFont.FreeTypeFont)
         _, top, bottom = _extent(self._font, 'H')
-        self._middle = (top + bottom) / 2.0  # from the top of a line of text, px
+        self._middle = (top + bottom) / 2.0  # px below the top of a line of text
 
     def pixels_of(self, length: float) -> float:
         """Returns the length, in pixels of the finished picture, of a length in mm."""
@@ -94,7 +94,7 @@ class Canvas:
         width = self._width(words)
         edge = EDGE * SUPERSAMPLING
         x = max(min(x - width * left_share, self._image.size[0] - width - edge), edge)
-        rim = 2 * SUPERSAMPLING if self._scalable else 0  # Pillow's own font does not support it
+        rim = 2 * SUPERSAMPLING if self._scalable else 0  # Pillow's own font can have no rim
         self._pen.text((x, y - self._middle), words, fill=colour, font=self._font,
                        stroke_width=rim, stroke_fill=PAPER if rim else None)
 

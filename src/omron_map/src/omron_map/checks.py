@@ -38,7 +38,7 @@ def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
 
 
 def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
-    """Yields a warning for each header value that contradicts `rows`; only the rows are used."""
+    """Yields a warning for each header value that contradicts `rows`; readers use the rows."""
     count, low, high, ordered = keys
     found: Dict[str, object] = {count: len(rows)}
     if len(rows):

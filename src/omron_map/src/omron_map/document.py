@@ -144,7 +144,7 @@ class MapDocument:
         return editing.find(self._records, name)
 
     def add(self, obj: MapObject) -> None:
-        """Adds `obj`, in the line of the file that the vendor's tools would give it.
+        """Adds `obj` at the line of the file at which the vendor's tools would write it.
 
         Raises DuplicateName, MapError.
         """

@@ -169,7 +169,7 @@ class MapObject:
 
     @property
     def polygon(self) -> Optional[np.ndarray]:
-        """(n, 2) vertices, mm, of an area with a well-formed polygon in its tail; else None."""
+        """(n, 2) vertices, mm, of the polygon in an area's tail; None: there is no valid one."""
         if not self.is_area or not all(_INTEGER.fullmatch(word) for word in self.tail):
             return None
         numbers = [int(word) for word in self.tail]

@@ -37,7 +37,7 @@ def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE,
     """Writes a PNG picture of `document`; returns its size in pixels.
 
     long_side -- length of its longer side, px
-    is_named  -- whether the user gave `path`; if not, only a file of ld_map is replaced
+    is_named  -- whether the user gave `path`; if not, a file of another program is not replaced
     Raises MapError if the map is empty or the file cannot be written.
     """
     picture = MapPicture(document, long_side)
@@ -121,7 +121,7 @@ class MapPicture:
 
 
 def _sides(obj: MapObject) -> Tuple[Tuple[float, float], Tuple[float, float]]:
-    """Returns the end of a name at the left and the start of a name at the right.
+    """Returns where a name at the left ends, and where a name at the right begins.
 
     Both are outside the square and the arrow of the object.
     """

@@ -156,7 +156,7 @@ def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
 
 def bounds(rows: np.ndarray) -> Tuple[Tuple[int, int], Tuple[int, int]]:
     """Returns the lowest and highest x, y of the points or line ends in `rows` (one or more)."""
-    # Column by column: numpy is slow along an axis of two.
+    # Column by column: numpy is slow along an axis of length two.
     low = [min(int(rows[:, i].min()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
     high = [max(int(rows[:, i].max()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
     return (low[0], low[1]), (high[0], high[1])

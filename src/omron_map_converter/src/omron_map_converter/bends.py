@@ -71,8 +71,8 @@ class _Ways:
                                   2.0 * math.pi))
 
     def _turn_ahead(self, edge: int, s: np.ndarray, reach: float) -> np.ndarray:
-        """Returns the angle (N,) by which the path turns within `reach`
-        from arc lengths `s` (N,) on.
+        """Returns the angles (N,) by which the path turns
+        within `reach` (m) after each arc length of `s` (N,).
         """
         curve = self._graph.curve(edge)
         turn = curve.turned(s + reach) - curve.turned(s)

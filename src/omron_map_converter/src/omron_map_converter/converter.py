@@ -216,6 +216,6 @@ def _written(obj: MapObject) -> Tuple:
 
 
 def _other_bytes(document: MapDocument) -> List[bytes]:
-    """Returns all lines except those of active objects, and the sections."""
+    """Returns the sections, and all lines that do not describe active objects."""
     return ([record.raw for record in document.records if record.object is None]
             + [section.raw.rstrip(b'\r\n') for section in document.sections])

@@ -1,4 +1,4 @@
-"""Makes fences, few rectangles or lines, that keep a robot in the corridors of its graph.
+"""Makes fences: few rectangles or lines that keep a robot in the corridors of its graph.
 
 Lengths are in mm, in the map frame.
 
@@ -45,9 +45,9 @@ LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
 """Arc lengths along a curved outline; a fence may be parallel to the chord of such an arc."""
 STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
-WORTH = 1.5  # a fence across a whole block must cover more points than another by this factor
+WORTH = 1.5  # a fence across a whole block must cover so many times the points of another
 INSET = 1.0  # width at either side of a fence in which edges do not limit its growth
-MANY = 2000  # from this number of outline points on, only near points are examined
+MANY = 2000  # if there are more outline points than this, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
 
@@ -122,7 +122,7 @@ class _Cover:
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
-        """Returns the fence at a point of a ring that covers the largest number of open points."""
+        """Returns the fence with the greatest worth at a point of a ring, deepened if possible."""
         origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
         offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)

@@ -116,8 +116,8 @@ def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[floa
 
 
 def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) -> float:
-    """Returns the smallest v of those `edges` (M,2,2) in left..right
-    that extend beyond `beyond`.
+    """Returns the smallest v, where u is in left..right, of the `edges` (M,2,2)
+    that extend beyond v = `beyond`.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (u.min(axis=1) <= right) & (u.max(axis=1) >= left)
@@ -127,8 +127,8 @@ def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) ->
 
 def _clipped(across: np.ndarray, along: np.ndarray, low: float,
              high: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the range of `along` (M,2) over the part of each segment
-    where `across` is in low..high.
+    """Returns for each segment the lowest and the highest `along` (M,2)
+    of the part where `across` is in low..high.
     """
     run = across[:, 1] - across[:, 0]
     flat = run == 0.0

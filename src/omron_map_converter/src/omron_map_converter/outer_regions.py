@@ -16,9 +16,9 @@ from shapely.geometry.polygon import orient
 
 from omron_map_converter.corridors import MITRE
 
-OUTLINE_DISTANCE = 15.0  # from the floor to the offset outline
-STEP = 40.0  # between the points that represent the offset outline
-CLEARANCE = 2.0  # between fence and floor: more than the rounding to whole mm
+OUTLINE_DISTANCE = 15.0  # mm from the floor to the offset outline
+STEP = 40.0  # mm between the points that represent the offset outline
+CLEARANCE = 2.0  # mm between fence and floor; more than the error of rounding to mm
 OUTSIDE = 30000.0  # margin around the floor that is examined
 LONGEST_EDGE = 1000.0
 SAME_DIRECTION = float(np.cos(np.radians(0.5)))
@@ -32,7 +32,7 @@ class OuterRegion(NamedTuple):
     directions: np.ndarray
     """(N,2), the outline's unit direction at each point."""
     rings: List[np.ndarray]
-    """Indices of the points of each closed part of the outline, in order."""
+    """For each closed part of the outline, the indices of its points in order."""
     edges: np.ndarray
     """(M,2,2), segments of at most LONGEST_EDGE that no fence may cross."""
 

@@ -12,7 +12,7 @@ from typing import List, NamedTuple, Optional, Tuple, cast
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # of the curve's parameter; within this distance of a stop the speed has a kink
+_SHARP = 0.02  # the speed has a kink if the curve's parameter is this near to a stop
 _GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
@@ -117,7 +117,7 @@ class Curve:
         return Projection(math.hypot(x0 + fraction * dx - x, y0 + fraction * dy - y), s, fraction)
 
     def _nearest_arcs(self, x: float, y: float) -> np.ndarray:
-        """Returns the arc length of the point nearest to x, y on each segment."""
+        """Returns for each segment the arc length of its point that is nearest to x, y."""
         if not len(self._steps):
             return np.zeros(1)
         ahead = ((np.array((x, y)) - self.points[:-1]) * self._steps).sum(axis=1)

@@ -58,7 +58,7 @@ def size_of(graph: Graph) -> str:
 
 
 def _between_sections(graph: Graph, id: int) -> str:
-    """Returns the place on a drawn edge that a vertex divides; empty: it divides no edge."""
+    """Returns the place of a vertex that divides a drawn edge; empty: it divides none."""
     if id not in graph.vertices or not graph.divides_an_edge(id):
         return ''
     return place_name(graph, max(graph.edges_from(id)), 0.0)

@@ -133,7 +133,7 @@ def _id_of(record: yaml.MappingNode) -> int:
 
 
 def _values(fields: Fields, element: Element) -> Fields:
-    """Returns the fields with a value of `Dock`, even if the file omits it."""
+    """Returns the fields; `Dock` has a value even if the file omits the field."""
     return {**fields, 'Dock': element.dock} if 'Dock' in fields else fields
 
 

@@ -27,7 +27,7 @@ class ListedMachine:
 
     report  -- its newest report; None: no report came
     read_at -- when this report was made, s since 1970
-    told    -- the fleet manager's view of it; None: the fleet manager does not run or know it
+    told    -- the fleet manager's view of it; None: no fleet manager runs, or it lacks the machine
     """
 
     name: str

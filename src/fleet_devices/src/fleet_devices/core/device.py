@@ -67,9 +67,9 @@ from route_protocol.devices import (
     DeviceUse,
 )
 
-STEADY = 2          # equal readings in a row that are needed, because an input may flicker
+STEADY = 2          # number of equal readings in a row that are needed: an input may flicker
 MOST_HOLDERS = 100  # requesters that may hold one device
-KEPT = 50           # requesters that hold nothing and whose last numbers are kept
+KEPT = 50           # requesters that hold nothing, but whose last numbers are kept
 
 _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 
@@ -140,7 +140,7 @@ class DeviceMachine:
     read_at     -- when that exchange began
     output      -- the output in the last reading; None: it must be set again
     settled     -- the last reading: True: open, False: closed, None: neither
-    alike       -- how many of the newest readings have this value and count, at most STEADY
+    alike       -- number of the newest readings that have this value and count; at most STEADY
     stage_from  -- number of exchanges that had begun when the stage began; the readings of these
                    exchanges do not count
     moving_from -- since when the device is not as it must be
@@ -315,7 +315,7 @@ class DeviceMachine:
         return self.read > taken.begun
 
     def _continues(self, settled: Optional[bool]) -> bool:
-        """Returns whether a reading has the same value as the readings before it that count."""
+        """Returns whether a reading has the same value as the counted readings before it."""
         return self.alike > 0 and settled == self.settled
 
     def _is_steady(self) -> bool:

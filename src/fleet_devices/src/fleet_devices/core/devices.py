@@ -102,7 +102,7 @@ class Devices:
         return exchanges
 
     def ended(self, name: str, reading: Optional[Reading], problem: str, now: float) -> None:
-        """Notes that an exchange has ended. `reading`: None: no reading, because of `problem`."""
+        """Notes that an exchange has ended. `reading` None: not read, because of `problem`."""
         self._change(name, self._devices[name].end(reading, problem, now))
 
     def tick(self, now: float) -> None:

@@ -83,7 +83,7 @@ class HandOvers:
         return exchanges
 
     def ended(self, name: str, signals: Optional[Signals], problem: str, now: float) -> None:
-        """Notes that an exchange has ended. `signals`: None: no reading, because of `problem`."""
+        """Notes that an exchange has ended. `signals` None: not read, because of `problem`."""
         device = self._devices[name]
         if not self._change(name, device.end(signals, problem, now)):
             self._devices[name] = replace(device, is_awaited=False)  # the device is read again

@@ -81,7 +81,7 @@ class SimulatedDevice:
 
 
 class SimulatedHandOver:
-    """A device that carries out hand-overs. Each takes `seconds`, from the start signal on.
+    """A device that carries out hand-overs. Each takes `seconds` after the start signal.
 
     clock -- s, from any beginning
     """

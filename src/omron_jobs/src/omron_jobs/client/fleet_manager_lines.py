@@ -17,7 +17,7 @@ MOST_STOPS = 50
 _LONGEST_NAME = 127
 _WORD = re.compile(r'"[^"]*"|\S+')
 _LINKED = re.compile(r'and linked to job_id (\S+)')
-_MODIFYING = ('modifying', 'modiying')  # a public client waits for the second spelling
+_MODIFYING = ('modifying', 'modiying')  # a published client expects the second one
 _SEGMENT_LINES = ('queueupdate:', 'queuequery:', 'queueshow:')
 
 
@@ -55,7 +55,7 @@ class ErrorBegin:
 
 @dataclass(frozen=True)
 class ErrorText:
-    """The last line of an error. `is_whole`: no other line came before it."""
+    """The last line of an error. `is_whole`: it is also the first line."""
 
     text: str
     is_whole: bool
@@ -79,7 +79,7 @@ def command_of(job: HandedJob) -> str:
 
 
 def query_of(job: HandedJob) -> str:
-    """Returns the query about a job: whether it is known, and the states of its segments."""
+    """Returns the query for the segments of a job and their states. An unknown job has none."""
     return f'queueQuery jobId {job.id}'
 
 

@@ -176,7 +176,7 @@ class HandedJob:
     def with_segment(self, segment: HandedSegment, robot: str) -> HandedJob:
         """Returns the job after a line about one of its segments. An ended job does not change.
 
-        A line about a segment beyond the number of the job's stops is ignored.
+        If the job has as many segments as stops already, a line about a new segment is ignored.
         """
         segments = {**{one.id: one for one in self.segments}, segment.id: segment}
         if not self.is_open or len(segments) > len(self.stops):

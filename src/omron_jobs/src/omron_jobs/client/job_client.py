@@ -13,8 +13,8 @@ Only one command or query at a time waits for its answer, because answers have n
     restart       as after a loss, with the jobs that are on the disk
 
 Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only if the
-Fleet Manager says that it does not know it, within RESENT_WITHIN after it was sent. A later "not
-known" is no proof, because a Fleet Manager forgets jobs that have ended (by default after 60
+Fleet Manager says within RESENT_WITHIN after the sending that it does not know the job. A later
+"not known" is no proof, because a Fleet Manager forgets jobs that have ended (by default after 60
 minutes, or 100 later jobs): such a job ends as UNKNOWN, and a person decides. A modified value is
 sent only if the Fleet Manager showed another value over this link, because each such command
 interrupts the drive.
@@ -52,7 +52,7 @@ RESENT_WITHIN = 300.0   # s after sending, within which an unknown job is sent a
 ANSWERED_WITHIN = 10.0  # s to wait for an answer before the link is ended
 ASKED_EVERY = 10.0      # s without news of an open job, after which it is queried
 MOST_OPEN = 1000
-MOST_ENDED = 1000       # jobs that have ended, and are remembered for their callers
+MOST_ENDED = 1000       # largest number of ended jobs that are kept for their callers
 
 Store = Callable[[Sequence[HandedJob]], None]
 """Stores all jobs, forced to the disk. Raises OSError."""
@@ -88,7 +88,7 @@ class JobClient:
         self._heard: Dict[str, float] = {}      # when the last news of each job came on this link
         self._asked: Dict[str, float] = {}      # when each job was queried on this link
         self._errors: Dict[str, str] = {}       # why a job was refused, until it is queried
-        self._unsure: Set[str] = set()          # jobs to query, as a modification was answered
+        self._unsure: Set[str] = set()          # jobs to query after the answer to a modification
         self._tried: Set[str] = set()           # modifications that were sent on this link
         self._changed: Dict[str, HandedJob] = {}
         self._is_stored = True
@@ -217,7 +217,7 @@ class JobClient:
         return self._question is not None and now - self._question.since > ANSWERED_WITHIN
 
     def store_news(self) -> None:
-        """Stores the changes that came with lines. Raises OSError; the next call tries it again."""
+        """Stores the changes that came with lines. Raises OSError; the next call tries again."""
         if not self._is_stored:
             self._store(self.jobs)
             self._is_stored = True
@@ -269,7 +269,7 @@ class JobClient:
             self._put(job.after(HandedEvent.WITHDRAWN) if job.is_unwanted else job)
 
     def _judge_modification(self, job: HandedJob) -> None:
-        """Ends a modification if the newest listing of the job shows that it was not done."""
+        """Ends a modification that was not done, according to the newest listing of the job."""
         for change in job.changes:
             if change.segment.status in FINAL_STATUSES:
                 self._end_modification(job.id, f'{change.segment.id} has ended')
@@ -299,7 +299,7 @@ class JobClient:
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
-        """Returns whether to query a job: after an error or a modification, or without recent news.
+        """Returns whether to query a job: there was an error, a modification, or no recent news.
 
         A job to be cancelled is queried, and its cancellation repeated, until it has ended.
         """
@@ -320,7 +320,7 @@ class JobClient:
         self._changed[job.id] = job
 
     def _put(self, job: HandedJob) -> None:
-        """Changes a job as the Fleet Manager reported it.
+        """Adopts a change of a job that the Fleet Manager has reported.
 
         The change is stored later: if it is lost, the Fleet Manager can be queried again.
         """

@@ -6,11 +6,11 @@
     LOGIN   the right password                 OPEN; welcome and list of commands are sent
             another line                       CLOSED
     OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
-    all     a line that is too long; the end   CLOSED
+    all     too long a line; the link ends     CLOSED
 
 Only a client that connects to the server must give the password. The server carries out no command
 before that. A reply goes to the client that sent the command. After the reply, the changes that the
-command caused go to all clients, in the same order.
+command caused go to all clients, to each of them in the same order.
 """
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class ClientSession:
         self.send_bytes(written(lines))
 
     def send_bytes(self, data: bytes) -> None:
-        """Queues lines that are written already."""
+        """Queues lines that `written` has encoded."""
         if self.phase is not ClientPhase.CLOSED:
             self.output += data
 

@@ -2,7 +2,7 @@
 
     queuePickup "goal 1" default xyz
 
-Words are separated by blanks; a word with blanks stands in quotation marks. `default` stands for an
+Words are separated by blanks; a word with blanks is in quotation marks. `default` replaces an
 argument that is left out.
 """
 from __future__ import annotations

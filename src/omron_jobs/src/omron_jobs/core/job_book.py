@@ -49,15 +49,15 @@ from omron_jobs.core.jobs import (
 from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
-SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
-QUESTIONS = 10      # most questions about silent missions per second: a thousand may be silent
+SILENCE = 10.0      # s without news of a mission, after which a question is sent
+QUESTIONS = 10      # largest number of questions per second; a thousand missions may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
 
 
 class JobRefused(Exception):
-    """A command is not carried out. The text is the rest of a sentence after the command's name."""
+    """A refused command. The text continues a sentence that begins with the command's name."""
 
 
 class JobCounters(NamedTuple):
@@ -97,7 +97,7 @@ class FleetAct(Enum):
 
     REQUEST = 'request'
     CANCEL = 'cancel'
-    CHANGE = 'change'   # priority (of the first segment), and stops from `first` on
+    CHANGE = 'change'   # priority (of the first segment), stop `first` and all later stops
     ASK = 'ask'         # queries the stored state of its mission
 
 
@@ -115,8 +115,8 @@ class FleetMessage(NamedTuple):
 class JobBook:
     """The jobs of one fleet.
 
-    It has many attributes because it keeps several things for each mission: its last status, when
-    this came, and when a message about it was sent.
+    It has many attributes because it keeps several things for each mission: the last status, its
+    time, and the time of the last message about the mission.
 
     jobs, counters -- as they were stored
     shelf -- all jobs that are kept
@@ -136,7 +136,7 @@ class JobBook:
         self._unstored: Set[int] = set()
         self._restless: Set[int] = {job.mission for job in self.shelf.open}
         self._silent_from = -math.inf   # no mission is silent before this moment
-        self._asked = -math.inf         # all questions that were allowed before this are used up
+        self._asked = -math.inf         # the questions allowed up to this moment are used up
 
     # -- queries of clients ----------------------------------------------------------------------
 
@@ -154,7 +154,7 @@ class JobBook:
     # -- commands of clients ---------------------------------------------------------------------
 
     def swap_at(self, vertex: int) -> Optional[QueuedJob]:
-        """Returns the oldest job whose robot drops off at a vertex next, and has no further job.
+        """Returns the oldest job whose robot next drops off at a vertex, and has no other job.
 
         Returns None if there is no such job.
         """
@@ -294,7 +294,7 @@ class JobBook:
                 else:
                     self._silent_from = min(self._silent_from, last + SILENCE)
         self._asked = max(self._asked, now - SILENCE) + min(len(silent), most) / QUESTIONS
-        if len(silent) > most:  # first those that a robot serves; then by time since the last news
+        if len(silent) > most:  # jobs with a robot come first, then those with the oldest news
             silent.sort(key=lambda one: one[:2])
             self._silent_from = now
         for _, _, job in silent[:most]:

@@ -165,8 +165,8 @@ class JobCommands:
             tuple(changes))
 
     def queue_modify(self, command: CommandLine) -> JobReply:
-        """Changes the priority of a segment that waits, or the goal of a segment until a robot has
-        reached it.
+        """Changes the priority of a segment that waits, or the goal of a segment that no robot has
+        reached yet.
         """
         id, what = command.words[0], command.words[1].lower()
         if what == 'priority':
@@ -202,7 +202,7 @@ class JobCommands:
         return _list(words.QUERY, found, echo, words.END_OF_QUERY)
 
     def queue_show(self, command: CommandLine) -> JobReply:
-        """Lists the robots, all open segments, and the last `SHOWN_ENDED` that have ended."""
+        """Lists the robots, all open segments, and the `SHOWN_ENDED` segments that ended last."""
         echo = command.text(0, 'echo')
         every = [change for job in self._book.jobs for change in changes_of(job)]
         ended = [one.segment.number for one in every if one.segment.told.status.is_final]
@@ -292,7 +292,7 @@ class JobCommands:
                          words.END_OF_GROUP_VALUES))
 
     def groups(self) -> Dict[str, Dict[str, object]]:
-        """Returns the groups of values, each by the names of its values."""
+        """Returns the groups of values: for each name of a group, its values by name."""
         counters = self._book.counters
         statuses = [one.told.status for job in self._book.jobs for one in job.segments]
         return {'FleetRobotInformation': {'Robots': len(self._site.robots)},
@@ -322,12 +322,12 @@ class JobCommands:
 
 
 def of_other_priority(book: JobBook, id: str) -> Tuple[QueuedJob, JobSegment]:
-    """Returns the segment with an id, if its priority can be changed. Raises JobRefused."""
+    """Returns the job and the segment with an id. Raises JobRefused if the priority is fixed."""
     return _modifiable(book, id, SegmentStatus.PENDING)
 
 
 def of_other_goal(book: JobBook, id: str) -> Tuple[QueuedJob, JobSegment]:
-    """Returns the segment with an id, if its goal can be changed. Raises JobRefused."""
+    """Returns the job and the segment with an id. Raises JobRefused if the goal is fixed."""
     job, one = _modifiable(book, id, SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS)
     if one.told.substatus in words.AFTER.values():
         raise JobRefused(f'failed: the robot works at the goal of "{one.id}" already')

@@ -69,9 +69,9 @@ class JobShelf:
         self.on_change(mission)
 
     def too_old(self, since: int, most: int) -> List[int]:
-        """Returns the missions of ended jobs to forget: of old jobs, and of jobs beyond `most`.
+        """Returns the missions of the ended jobs to forget, so that at most `most` are left.
 
-        since -- ms since 1970; a job that ended before this is old
+        since -- ms since 1970; a job that ended before this moment is forgotten in any case
         """
         left = len(self._ended) - most
         found: List[int] = []

@@ -42,7 +42,7 @@ LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {ec
 SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
 ROBOT = 'QueueRobot: "{}" {} {} {}'
 # The fields: the robot's name; type, name, short text and long text of the fault; whether the robot
-# cannot drive, whether the fault is critical, whether it is one of an application; the echo.
+# cannot drive, whether the fault is critical, whether an application raised it; the echo.
 ROBOT_FAULT = 'RobotFaultQuery: "{}" {} {} "{}" "{}" true false {} {}'
 END_OF_FAULTS = 'EndQueryFaults'
 END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'
@@ -69,7 +69,7 @@ class SegmentKind(Enum):
 
 
 class SegmentStatus(Enum):
-    """The status of a segment. There are no other words, because a known client fails at them.
+    """The status of a segment. No other words are sent, because a known client would fail.
 
     BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are sent only while a
     segment is modified.

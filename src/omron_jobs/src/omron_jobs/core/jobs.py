@@ -70,7 +70,7 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
 
 
 class DriveAct(Enum):
-    """The reported act of a robot. Clients are informed of the acts in this order."""
+    """The reported act of a robot. Clients are informed of the acts in the order below."""
 
     DRIVES = 'drives'
     WAITS = 'waits'     # in front of its goal, while steps run before it may enter
@@ -316,8 +316,7 @@ def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missi
 
 
 def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
-    """Returns the status of a segment that a robot serves; never a status before the present one.
-    """
+    """Returns the status of a segment that a robot serves; a status never goes back."""
     course = _course_with(robot, segment.kind)
     seen = 1
     if drive is not None and (drive.robot, drive.vertex) == (robot, segment.vertex):

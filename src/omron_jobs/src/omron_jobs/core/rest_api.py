@@ -70,7 +70,7 @@ def error(status: int, message: str) -> RestAnswer:
 
 
 def stream_of(path: str) -> Optional[RestType]:
-    """Returns the type of the records that are streamed at a path; None: it is no such path."""
+    """Returns the type of the records that are streamed at a path; None: none are streamed."""
     name, _, rest = path.strip('/').partition('/')
     kind = _TYPES.get(name)
     return kind if rest == STREAM and kind is not RestType.STORE_VALUE else None
@@ -280,7 +280,7 @@ class RestApi:
 
 
 def _written(value: object) -> str:
-    """Returns the text of a field's value in a path, in lower case."""
+    """Returns the value of a field as it is written in a path, in lower case."""
     return '' if value is None else str(value).lower()
 
 

@@ -33,7 +33,7 @@ def _refuse_constant(name: str) -> None:
 class Fields:
     """The fields of an object. A field that is null counts as left out.
 
-    known -- the names that it may have
+    known -- the names of the fields that the object may have
     """
 
     def __init__(self, found: Any, *known: str) -> None:
@@ -72,7 +72,7 @@ class Fields:
         return value
 
     def reason(self, name: str) -> str:
-        """Returns a reason, with underscores for blanks, as the lines of ARCL need it."""
+        """Returns a reason for a line of ARCL: with underscores instead of blanks."""
         value = '_'.join(self.text(name).split())
         if '"' in value:
             raise WrongRequest(f'{name} must have no quotation marks.')

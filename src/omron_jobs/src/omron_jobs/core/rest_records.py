@@ -106,7 +106,7 @@ def segment_record(job: QueuedJob, segment: JobSegment) -> Record:
 
 
 def request_record(job: QueuedJob) -> Record:
-    """Returns the record of the request of a job that came by REST, without its time."""
+    """Returns the record of the REST request for a job, without its time."""
     assert job.origin is not None
     record: Record = {'namekey': request_key(job), 'jobId': job.origin.job_id}
     first, last = job.segments[0], job.segments[-1]
@@ -222,7 +222,7 @@ class RestRecords:
                 self._put(RestType.STORE_VALUE, {'namekey': item, 'value': str(value)})
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
-        """Updates the records of these changed segments, in order, and then all with `refresh`."""
+        """Updates the records of these changed segments, in order, and then calls `refresh`."""
         self._find_new_jobs()
         for change in changes:
             job = self._shown.get(self._by_segment.get(change.segment.number, 0))

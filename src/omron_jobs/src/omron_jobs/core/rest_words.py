@@ -123,4 +123,4 @@ class CancelType(Enum):
 SHORT_CANCELS: Mapping[str, CancelType] = {
     'robot': CancelType.ROBOT_NAME, 'jobNamekey': CancelType.JOB_NAMEKEY,
     'jobId': CancelType.JOB_ID}
-"""Fields that name the jobs to cancel without a cancelType, and the type that each stands for."""
+"""Fields that replace the fields cancelType and cancelValue, and the type that each implies."""

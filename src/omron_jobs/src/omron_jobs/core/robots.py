@@ -14,7 +14,7 @@ class RobotNews(NamedTuple):
 
 
 class RobotFault(NamedTuple):
-    """A reason for which a robot serves no jobs. While it has the fault, it drives to no jobs.
+    """A reason why a robot serves no jobs. While the robot has the fault, it drives to no jobs.
 
     No fault is called critical, because the fleet manager does not report which faults a person
     must clear.

@@ -12,7 +12,7 @@ from node_program.inert_text import cell
 from omron_jobs.day.day_run import PlayedDay
 from omron_jobs.day.judge import WatchedJob
 
-SHOWN = 10          # late jobs, refused commands and broken promises that are listed, of each
+SHOWN = 10          # largest number listed of late jobs, refused commands, broken promises
 _COLUMNS = ('job', 'line', 'queued', 'robot', 'wait_s', 'lead_s', 'state')
 _GOOD = 'No job was lost, and none was done twice. All lines that were told are true.'
 
@@ -23,7 +23,7 @@ def wait_of(job: WatchedJob) -> float:
 
 
 def lead_of(job: WatchedJob) -> float:
-    """Returns how long (s) it took until the job was completed; NaN: it was not."""
+    """Returns how long (s) it took until the job was completed; NaN: it never was."""
     return job.ended - job.queued if job.state == 'Completed' else math.nan
 
 

@@ -1,7 +1,7 @@
 """The fleet manager and its robots in virtual time, as the job server uses them.
 
-It calls the `Supervisor` as the node path_supervisor does for messages, and makes the values that
-the node `job_server` gives to its `JobBook`.
+It calls the `Supervisor` as the node `path_supervisor` does when a message arrives. It makes the
+values that the node `job_server` gives to its `JobBook`.
 A person comes to each robot that needs help. If a step asks, the person answers `done`. If not, the
 person unloads the robot: its mission was cancelled, has failed, or was only a pickup.
 """

@@ -1,4 +1,4 @@
-"""Judges the lines that a program got about its jobs: by OMRON's order, and by the robots' drives.
+"""Judges whether the lines that a program got about its jobs follow OMRON's order, and are true.
 
 It reads the lines of the job server with a separate table, and has the true positions of the
 robots. It does not use the job server's book. Each error that it finds is a sentence. It checks:
@@ -46,7 +46,7 @@ _ORDER: Mapping[str, FrozenSet[str]] = {
     'AfterModify': frozenset(('Pending', 'UnAllocated', 'Allocated', 'Driving', 'Before')),
     **dict.fromkeys(_FINAL, frozenset()),
 }
-"""The states that may follow each state of a segment; BeforePickup and BeforeDropoff are Before."""
+"""The states that may follow each state of a segment; Before is BeforePickup or BeforeDropoff."""
 _OF_MISSION = {MissionState.SUCCEEDED: 'Completed', MissionState.FAILED: 'Failed',
                MissionState.CANCELLED: 'Cancelled', MissionState.REFUSED: 'Cancelled',
                MissionState.EXPIRED: 'Cancelled'}

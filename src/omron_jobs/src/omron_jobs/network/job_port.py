@@ -60,8 +60,7 @@ class JobPort:
         return int(self._listening.sockets[0].getsockname()[1])
 
     def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
-        """Returns the protocol for a connection that this server opens. `ended` is set at its end.
-        """
+        """Returns the protocol for a connection that this server opens. Its end sets `ended`."""
         return DialledClient(self, ended)
 
     def flush(self) -> None:
@@ -108,7 +107,7 @@ class _Client(asyncio.Protocol):
         self._is_first = True
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begins a session if the other side is a peer."""
+        """Begins a session if the port accepts the connection."""
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info('peername')
         if not peer or not self._port.joins(self, peer[0]):

@@ -1,9 +1,9 @@
 """The connection that the job server opens by itself, to one program, in the loop of its port.
 
     state      event                          next state
-    LOST       RETRY s are over               DIALLING
+    LOST       RETRY s have passed            DIALLING
     DIALLING   the program accepts            LINKED; the program need not log in
-    DIALLING   it does not within DIAL_TIME   LOST
+    DIALLING   DIAL_TIME s have passed        LOST
     LINKED     the connection ends            LOST
     all        `close`                        CLOSED
 

@@ -91,8 +91,8 @@ def _reach(robot: SimRobot, name: str, x: float, y: float, heading: Optional[flo
 
 def _near(robot: SimRobot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
-    """Returns the pose at which the robot stops for a goal. If there is room, the pose has an
-    arrival error.
+    """Returns the pose at which the robot stops on a drive to a goal. If there is room, the pose
+    has an arrival error.
     """
     distance, angle = robot.quirks.arrival_error
     place = SimPose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(

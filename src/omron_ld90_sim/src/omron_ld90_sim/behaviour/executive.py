@@ -11,7 +11,7 @@ wait, or `STANDING` to wait until the base stands.
     `drop`                            -                 no activity is left; the base goes on
 
 Invariants: there is at most one script, and it waits for at most one event. A script must not end
-itself while it runs, so `outside` delays an action that may do this to the script's next pause.
+itself while it runs. So `outside` delays an action that may do this until the script's next pause.
 """
 from __future__ import annotations
 

@@ -96,9 +96,9 @@ def _localize_at_goal(robot: SimRobot, task: RobotTask) -> None:
 
 
 def _limit_speed(robot: SimRobot, task: RobotTask, lasting: bool) -> None:
-    """Limits the speed: carries out `<importance> <forward mm/s>...`; 0 mm/s removes the limit.
+    """Limits the speed for the arguments `<importance> <forward mm/s>...`; 0 mm/s: no limit.
 
-    lasting -- whether the limit holds for later activities, too, not only for the present one
+    lasting -- whether the limit also holds for later activities
     """
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None

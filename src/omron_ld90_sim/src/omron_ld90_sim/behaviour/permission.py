@@ -8,7 +8,7 @@ from omron_ld90_sim.behaviour.states import MotorState
 
 
 class PermissionChange(Enum):
-    """A change of the permission; `DrivePermission` reports it after it has made the change."""
+    """A change of the permission. `DrivePermission` first makes the change, then reports it."""
 
     BLOCKED = 'there is one more reason not to drive'
     UNBLOCKED = 'there is one reason less'

@@ -277,7 +277,7 @@ class SimRobot:
     # -- localization ------------------------------------------------------------------------
 
     def localize(self, pose: SimPose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
-        """Makes the robot search for itself around `pose`. It is lost if it is not there."""
+        """Makes the robot search for itself around `pose`. If it is not there, it gets lost."""
         self.localization.search(pose, self.base.pose, spread)
         if self.localization.lost:
             self.executive.outside(self._end_as_lost)

@@ -33,7 +33,7 @@ class StateTimes:
         return self._clock.now, self._base.driven
 
     def enter(self, state: Optional[WorkState]) -> None:
-        """Enters `state`; None is any state that is not counted."""
+        """Enters `state`; None: a state whose time is not counted."""
         now = self._now()
         if self._state is not None:
             self._sums[self._state] = _plus(self._sums[self._state], _minus(now, self._since))

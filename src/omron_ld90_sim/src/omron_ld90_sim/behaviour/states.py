@@ -33,7 +33,7 @@ class InterruptedWords(Enum):
 
 
 class ActivityFailure(Exception):
-    """An activity failed; carries the text of the `Error:` line and the status that remains."""
+    """An activity failed. The error has the text of the `Error:` line, and the status to show."""
 
     def __init__(self, text: str, status: str) -> None:
         super().__init__(text)

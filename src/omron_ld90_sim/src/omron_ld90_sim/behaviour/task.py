@@ -56,5 +56,5 @@ class RobotTask:
 
 
 def find_goal(document: MapDocument, name: str) -> Optional[MapObject]:
-    """Returns the goal with that name, with case ignored."""
+    """Returns the goal with that name, ignoring case."""
     return next((goal for goal in document.goals if goal.name.lower() == name.lower()), None)

@@ -45,7 +45,7 @@ ARGUMENTS: Dict[str, Arguments] = {     # checked before a task begins
 
 
 def parse(text: str) -> RobotTask:
-    """Returns the task in `<task> <arguments>`; raises BadTask for a wrong name or argument."""
+    """Returns the task of a text `<task> <arguments>`; raises BadTask if the text is wrong."""
     name, _, rest = text.strip().partition(' ')
     task = RobotTask(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:

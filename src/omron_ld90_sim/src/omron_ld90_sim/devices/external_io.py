@@ -33,7 +33,7 @@ class Bank:
         self._set(position, 1, int(on))
 
     def set_byte(self, position: int, value: int) -> None:
-        """Sets eight bits, as far as the bank has them. Raises ValueError if it has none."""
+        """Sets a byte, as far as the bank has its bits. Raises ValueError if it has none."""
         self._set(position, 8, value)
 
     def _set(self, position: int, width: int, value: int) -> None:

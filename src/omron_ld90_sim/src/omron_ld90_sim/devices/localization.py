@@ -15,7 +15,7 @@ _NO_ERROR = SimPose(0.0, 0.0, 0.0)
 
 
 class Localization:
-    """The pose that a robot believes: its true pose plus `error`; 0: the robot is not lost."""
+    """The believed pose: the true pose plus `error`. `error` is 0 unless the robot is lost."""
 
     def __init__(self, clock: SimClock, seed: int) -> None:
         self.error = _NO_ERROR
@@ -32,7 +32,7 @@ class Localization:
                        normalise(true.theta + self.error.theta))
 
     def search(self, around: SimPose, true: SimPose, spread: Tuple[float, float]) -> None:
-        """Searches within `spread` (mm, deg) of a pose; the robot is lost if it is not there."""
+        """Searches within `spread` (mm, deg) of a pose; if the robot is not there, it gets lost."""
         off = true.distance_to(around.x, around.y)
         turned = normalise(around.theta - true.theta)
         if off <= spread[0] and abs(turned) <= spread[1]:

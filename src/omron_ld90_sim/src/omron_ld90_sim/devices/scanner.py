@@ -27,7 +27,7 @@ class Scanner:
 
     def scan(self, floor: SimFloor, true: SimPose, believed: SimPose,
              others: Sequence[np.ndarray]) -> np.ndarray:
-        """Returns the hits (N, 2) of a scan from `true`: mm, map frame, as seen from `believed`."""
+        """Returns the hits (N, 2) of a scan at `true`, drawn as if at `believed`; mm, map frame."""
         ranges = laser.scan(floor, true, others)
         ranges = ranges + noise(self._seed, self._clock.now, NOISE, len(ranges))
         hits = laser.points(believed, ranges)

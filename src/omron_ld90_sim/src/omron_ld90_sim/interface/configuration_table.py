@@ -2,8 +2,8 @@
 
 The maps of real robots contain their whole configuration. The table has the sections, in their
 order, and the names, types, priorities and ranges that these maps have in common. If they differ
-from I617-E-02, the maps are right. Only parameters that change the simulator's behaviour, or that
-clients query of every robot, are in the table.
+from I617-E-02, the table follows the maps. The table contains only parameters that change the
+simulator's behaviour, or that clients query from every robot.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The robot's data store: named values in groups; some count from the last trip reset.
 
-Names and forms are those of ARCL manual I617-E-02 p. 110-119 and 244, of the guide to the vendor's
-Python library (groups and fields of a real robot) and of public client programs (`RobotX`,
+Names and forms come from ARCL manual I617-E-02 p. 110-119 and 244, from the guide to the vendor's
+Python library (groups and fields of a real robot), and from public client programs (`RobotX`,
 `TransVel`, `ModeStatus`, `BatteryStateOfCharge` ...). The names of a fleet manager's sums over its
 robots begin with `Agg`; a robot's own values have the names without `Agg` (`ParkingTime`). A real
 robot has about forty groups; the simulator has only the values that it knows. Distances are
@@ -42,7 +42,7 @@ class StoredValue:
     type: str
     description: str
     read: Callable[[DataStore], object]
-    range: str = ''         # minimum and maximum; empty: those of its type
+    range: str = ''         # minimum and maximum; empty: the limits of its type
 
     @property
     def info(self) -> str:
@@ -81,7 +81,7 @@ class DataStore:
         return self.robot.state_times
 
     def reset_trip(self) -> List[StoredValue]:
-        """Begins a new trip. Returns its counters; dates are no counters."""
+        """Begins a new trip. Returns the counters of the trip, without its date."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
         return [field for group in GROUPS.values() for field in group.fields

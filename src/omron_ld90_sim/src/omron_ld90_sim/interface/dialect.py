@@ -1,7 +1,7 @@
 """The dialect of a robot: the words of an LD-90, and ways in which other robots differ from it.
 
-The default follows the sources (docs/explanation/sources.md). The fault `dialect` switches the
-other settings on. They are for developers whose software must work with less exact robots.
+The default follows the sources (docs/explanation/sources.md). The fault `dialect` switches to the
+other settings, for developers whose software must work with less exact robots.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class HelpLayout(Enum):
 
 
 class Encoding(Enum):
-    """The encoding of names that are not ASCII; by default the bytes of the map."""
+    """The encoding of names that are not ASCII; by default as in the map file."""
 
     RAW = 'raw'
     ASCII = 'ascii'

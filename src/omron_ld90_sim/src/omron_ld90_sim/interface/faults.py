@@ -29,7 +29,7 @@ class NoSuchFault(ValueError):
 
 
 class Faults:
-    """Applies faults to one robot. Each public method is the fault of that name.
+    """Applies faults to one robot. Each public method applies the fault of its name.
 
     The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
 
@@ -56,7 +56,7 @@ class Faults:
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
-        """Applies `[SECONDS] FAULT` at this time of the simulated clock, or without SECONDS now."""
+        """Applies a fault `[SECONDS] FAULT` when the clock shows SECONDS; without SECONDS, now."""
         first, _, rest = line.strip().partition(' ')
         try:
             float(first)

@@ -1,7 +1,7 @@
 """The queue of a simulated Fleet Manager: jobs, their segments, and the robots that serve them.
 
     status      event                                     next status
-    Pending     its turn, and a robot is free             InProgress
+    Pending     it is due, and a robot is free            InProgress
                 cancelled                                 Cancelled
                 modified                                  BeforeModify, AfterModify, Pending
     InProgress  its robot has reached the goal            Completed
@@ -102,7 +102,7 @@ class JobQueue:
 
     def add(self, wanted: Sequence[NewSegment], job: str,
             swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
-        """Queues a job and returns its segments; calls no `tell`. Raises DoubleJob."""
+        """Queues a job and returns its segments; does not call `tell`. Raises DoubleJob."""
         if any(one.is_open and one.job.lower() == job.lower() for one in self.segments):
             raise DoubleJob(f'job id "{job}" is that of an active job')
         added: List[QueueSegment] = []
@@ -130,8 +130,8 @@ class JobQueue:
         return found
 
     def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
-        """Gives a modifiable segment another goal or priority. If it is driven, it is interrupted,
-        and waits again.
+        """Gives a modifiable segment another goal or priority. If a robot drives for it, the drive
+        ends, and the segment waits again.
         """
         was_driven, waited = segment.status == 'InProgress', segment.substatus
         self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')
@@ -176,7 +176,7 @@ class JobQueue:
                 self._part(one)
 
     def advance(self) -> None:
-        """Begins the segment that is due for each free robot."""
+        """Begins for each free robot the segment that is due."""
         busy = {one.robot for one in self.segments if one.is_open and one.status != 'Pending'}
         for robot in self.robots:
             if robot.is_free and robot.name not in busy:

@@ -19,7 +19,7 @@ from typing import Callable, Deque, List, Tuple
 from omron_ld90_sim.clock import SimClock
 
 INPUT_CYCLE = 0.02      # s of wall time; inputs within such a cycle take effect together
-LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock; this limits the cycle, too
+LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock; no cycle is longer than this
 LONGEST_ROUND = 0.1     # s of wall time for inputs, after which the clock has its turn
 LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 

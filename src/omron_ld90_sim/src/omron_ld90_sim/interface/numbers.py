@@ -12,7 +12,7 @@ LONGEST = 1e6               # s, for times
 
 
 def number(text: object, minimum: float, maximum: float) -> float:
-    """Returns a number within the limits. Raises ValueError, with a sentence, for another text."""
+    """Returns a number within the limits. Raises ValueError, with a sentence, for other texts."""
     try:
         value = float(str(text))
     except ValueError:
@@ -23,12 +23,12 @@ def number(text: object, minimum: float, maximum: float) -> float:
 
 
 def length(text: object) -> float:
-    """Returns the millimetres, in either direction."""
+    """Returns a length in mm, which may be negative."""
     return number(text, -FARTHEST, FARTHEST)
 
 
 def angle(text: object) -> float:
-    """Returns degrees, up to a whole turn in either direction."""
+    """Returns an angle from -360 to 360 degrees."""
     return number(text, -360.0, 360.0)
 
 

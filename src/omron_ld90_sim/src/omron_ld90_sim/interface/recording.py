@@ -1,6 +1,6 @@
 """Session logs: `--log` writes them, `--replay` plays them back.
 
-docs/reference/session_log.md describes the format; the controller's `~session_log` uses it, too.
+docs/reference/session_log.md describes the format. The controller's `~session_log` also uses it.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def unescape(text: str) -> bytes:
                        else b'\\', text.encode('ascii', 'replace'))
 
 
-OVERLAP = 0.5  # s after its time, a recorded command that the client did not send is skipped
+OVERLAP = 0.5  # s for which the replay waits for a recorded command; then it skips the command
 
 
 class LogError(ValueError):
@@ -74,7 +74,7 @@ class SessionRecording:
         self._clock, self._file = clock, file
 
     def __call__(self, connection: int, direction: str, line: bytes) -> None:
-        """Writes one line, unless its connection is internal, with a number below 0."""
+        """Writes one line; a connection with a number below 0 is internal, and is left out."""
         if connection >= 0:
             transfer = Transfer(self._clock.now, direction, connection, escape(line))
             self._file.write(f'{transfer}\n')

@@ -46,7 +46,7 @@ class ArclServer:
         self.online = True              # False: no listener and no outgoing connection
         self.accepting = True           # False: new connections are refused
         self.outgoing_wanted = True     # False: there is no outgoing connection
-        self.outgoing_asked: Callable[[], None] = lambda: None   # called at the next connection
+        self.outgoing_asked: Callable[[], None] = lambda: None   # called when the link opens
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[SimSession], object] = lambda session: None
         self.wall_time = time.localtime

@@ -8,7 +8,7 @@ characters drops the client.
     LOGIN   the right password                       OPEN; welcome and help list are sent
             another line                             CLOSED
     OPEN    a line                                   OPEN; it is carried out
-    all     a line that is too long; the end         CLOSED
+    all     too long a line; the connection ends     CLOSED
 
 Invariants: lines are sent in the order in which they were queued, even if some are delayed. No
 command is carried out before the right password.
@@ -55,7 +55,7 @@ class Impairment:
 
 
 class SessionHost(Protocol):
-    """The interface that a session needs of its server."""
+    """What a session requires of its server."""
 
     clock: SimClock
     password: str
@@ -83,7 +83,7 @@ class SimSession:
         self.output = bytearray()
         self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
         self.task_list: Optional[list] = None   # the list that listAdd extends
-        self.aborted = False            # it ends with RST, and queued lines are lost
+        self.aborted = False            # ended with RST, so that queued lines are lost
         self.phase = LoginPhase.OPEN if outgoing else LoginPhase.LOGIN
         self.last_received = server.clock.now
         self._input = b''               # an incomplete line

@@ -21,7 +21,7 @@ class PortTaken(Exception):
 
 
 class ConnectedSession(Protocol):
-    """The interface that a connection needs of its session."""
+    """What a connection requires of its session."""
 
     output: bytearray
     outgoing: bool
@@ -167,7 +167,7 @@ class TcpServer:
         self._add(sock, self.server.connect())
 
     def _listen_later(self) -> None:
-        """Keeps the port closed for a while."""
+        """Keeps the port closed for RECONNECT seconds."""
         self._next_listen = self.loop.clock.now + RECONNECT
         self.loop.clock.at(self._next_listen, self._maintain)
 

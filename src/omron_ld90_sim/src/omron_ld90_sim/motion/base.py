@@ -10,7 +10,7 @@ from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn
 
 STEP = 0.05             # s between two steps while moving
 BISECTIONS = 10
-CLOSE = 0.05            # mm and deg; nearer than this to its end, a manoeuvre is done
+CLOSE = 0.05            # mm and deg; a manoeuvre ends when less than this is left
 CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
 
 
@@ -59,10 +59,10 @@ class Base:
         self._braking = None
 
     def brake(self, deceleration: Optional[float] = None) -> None:
-        """Brakes to a stop and drops the other manoeuvres; never brakes less than before.
+        """Brakes to a stop during the present manoeuvre, and drops the manoeuvres after it.
 
-        `deceleration` is in mm/s2. In a bend the base brakes less, because the change of its
-        rotation has a limit, too.
+        A later call can only make the braking harder. `deceleration` is in mm/s2. In a bend the
+        base brakes less, because its rotation must not change too fast.
         """
         if self._queue:
             self._queue = deque([self._queue[0]])

@@ -61,7 +61,7 @@ class SimFloor:
 
     @cached_property
     def regions(self) -> np.ndarray:
-        """The number (from 1) of the connected region of each planning cell; 0: no room to turn."""
+        """The number (from 1) of each planning cell's connected region; 0: no room to turn."""
         room = self.planning_clearance >= self.body.half_diagonal
         return ndimage.label(room, structure=np.ones((3, 3)))[0]
 

@@ -16,11 +16,11 @@ from omron_ld90_sim.motion.track import SmoothTrack
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot needs to stop, plus its size
-SHORTEST_LEAD = 5.0         # mm left on a track with which a new course can still begin
+SHORTEST_LEAD = 5.0         # mm that must be left on a track for a new course to begin on it
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance at which a new course begins
 PLAN_AROUND = 8000.0        # mm within which paths avoid other robots
 LOOK_STEP = 200.0           # mm between the examined places
-STOP_STEP = 600.0           # mm between the discs that stand for a robot on its way to rest
+STOP_STEP = 600.0           # mm between the discs that represent a braking robot
 _ANGLES = np.radians(np.arange(0, 360, 30))
 RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle for the laser
 
@@ -101,7 +101,7 @@ class Navigation:
         except NoWay as reason:
             if not obstacles:
                 raise
-            self.planner.plan(start, x, y, heading)     # raises if obstacles are not the cause
+            self.planner.plan(start, x, y, heading)     # NoWay: obstacles are not the cause
             raise Blocked(str(reason)) from reason
 
     @property

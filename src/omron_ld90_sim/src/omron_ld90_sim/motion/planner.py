@@ -30,7 +30,7 @@ SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is search
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # largest cost of a path found near the ends; a straight in the open: 1
+DETOUR = 2.5            # a path near the ends may cost this many times a straight in the open
 
 
 class NoWay(Exception):
@@ -189,9 +189,9 @@ class Planner:
 
     def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
                      ) -> Optional[np.ndarray]:
-        """Returns the cheapest cells if only cells near both ends are searched, which is faster.
+        """Returns the cheapest chain of cells near the two ends, faster than a full search.
 
-        Returns None if a path elsewhere might be shorter.
+        Returns None if a path farther away might be cheaper.
         """
         margin = int(SEARCH_AROUND / self.floor.planning_pitch)
         low = np.maximum(np.minimum(first, last) - margin, 0)
@@ -214,7 +214,7 @@ class Planner:
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
         i, vertices = 0, [raw[0]]
-        spare: Set[int] = set()     # indices of vertices beside a narrow place, perhaps needless
+        spare: Set[int] = set()     # indices of vertices that may be needless
         while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
@@ -231,9 +231,9 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices, but of those with indices in `spare` only the necessary ones.
+        """Returns the vertices. Leaves out needless vertices whose indices are in `spare`.
 
-        A vertex is not necessary if the straight between its neighbours is free.
+        A vertex is needless if the straight between its neighbours is free.
         """
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
@@ -246,8 +246,8 @@ class Planner:
         """Returns the points at which the robot must turn, in addition to `a` and `b`, to drive
         straight through the narrow place between them; None: this is impossible.
 
-        Of the turnable points near `a` and near `b`, the two with the largest clearance between
-        them are used. The planner's grid is too coarse for a gap hardly wider than the body.
+        Uses one turnable point near `a` and one near `b`: the pair with the largest clearance
+        between the two. The planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
@@ -265,7 +265,7 @@ class Planner:
     def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
         """Returns points (N, 2): `end`, then places to turn that a straight from `end` reaches.
 
-        Of many places, those nearest to `other` are returned.
+        If there are too many such places, returns those nearest to `other`.
         """
         if space.clearance_of(*end) < self.turn_clearance:
             return end[None]

@@ -45,7 +45,7 @@ class Space:
                         ) -> np.ndarray:
         """Returns the least clearance (N,) on each straight from `starts` to `ends` (N, 2).
 
-        It is examined at `fractions` of the straights. A single start or end is used for all.
+        The clearance is examined at `fractions` of each straight. A single start or end serves all.
         """
         points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)

@@ -98,7 +98,7 @@ class SmoothTrack:
                        normalise(direction + 180.0 if self.reverse else direction))
 
     def curvature_at(self, s: float) -> float:
-        """Returns signed curvature (1/mm) at arc length `s`."""
+        """Returns the signed curvature (1/mm) at arc length `s`."""
         i, u = self._segment(s)
         return self._rows[i][3] * (1 - u) + self._rows[i + 1][3] * u
 

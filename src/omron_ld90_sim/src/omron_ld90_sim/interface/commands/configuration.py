@@ -140,7 +140,7 @@ def _change(call: CommandCall, changes: List[Change]) -> None:
         return
     for change in (change for change in changes if change[:2] != MAP):
         call.server.configuration.set(*change)
-    if changes:         # also for a map: public clients wait for this line after `Map changed`
+    if changes:         # also after `Map changed`: published clients wait for this line
         call.server.broadcast('Configuration changed')
     call.reply('Config parsed fine')
 

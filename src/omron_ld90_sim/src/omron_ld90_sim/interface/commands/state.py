@@ -108,7 +108,7 @@ def range_device_get_current(call: CommandCall) -> None:
 
 @command('rangeDeviceGetCumulative', 'Gets the cumulative readings of a range device', '<name>', 1)
 def range_device_get_cumulative(call: CommandCall) -> None:
-    """Answers the kept points of the last 30 s within 4 m, at most 200."""
+    """Answers at most 200 points that were seen in the last 30 s, and are within 4 m."""
     if call.arguments[0].lower() != LASER.lower():
         raise CommandFailed(f"No range device '{call.arguments[0]}'")
     call.robot.scan()
@@ -157,7 +157,7 @@ def get_info(call: CommandCall) -> None:
 
 @command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: CommandCall) -> None:
-    """Creates an info. Of a value without quotes, only the first word counts. The value is cut to
+    """Creates an info. If the value has no quotes, only its first word counts. The value is cut to
     `<maxLen>` characters.
     """
     name, length = call.arguments[0], int(call.number(1))

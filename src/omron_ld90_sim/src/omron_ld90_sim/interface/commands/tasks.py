@@ -147,7 +147,7 @@ def patrol(call: CommandCall) -> None:
 
 @command('patrolOnce', 'Patrols a route one time', '<route_name> [index]', 1)
 def patrol_once(call: CommandCall) -> None:
-    """Drives along a route once, from the goal with that index."""
+    """Drives along a route once, from the goal with the given index."""
     route = _route(call, call.arguments[0])
     first = int(call.number(1, 0.0))
     if not 0 <= first < len(route.goals):
