@@ -1,8 +1,8 @@
 """The robot's activity, read from its status text with one table for all programs.
 
 A status text has the form of another line of the robot (`Going to 12`,
-`DockingState: Docked ...`). The robot also sends many of these lines by themselves, at the moment
-when the activity begins.
+`DockingState: Docked ...`). The robot also sends many of these lines without a status, at the
+moment when the activity begins.
 """
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from omron_arcl.predicates import (
 )
 from omron_arcl.replies import DockingState, UnknownLine
 
-# s without a line or status about a drive that has begun, until it times out
+# s; without a line or status for so long, a drive that has begun times out
 _DRIVE_TIMEOUT = 600.0
 _TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 

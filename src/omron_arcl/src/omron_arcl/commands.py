@@ -52,8 +52,8 @@ class CommandSpec:
     acknowledged_by -- the reply that shows that the robot obeys; None: no such reply is documented
     related -- further lines that belong to the command
     aborted_by -- the reply that shows that an acknowledged command was broken off
-    timeout -- seconds without a line or status about the command until it times out; at most
-        `ACKNOWLEDGE_TIMEOUT` until the command is acknowledged
+    timeout -- the command times out after so many s without a line or status about it; before it is
+        acknowledged, after at most `ACKNOWLEDGE_TIMEOUT`
     course -- set for commands that take over the wheels, and so replace the drive before them
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
@@ -100,7 +100,7 @@ class CommandSpec:
 
     @property
     def stops(self) -> bool:
-        """Whether it is `stop`, which overtakes all other commands."""
+        """Whether the command is `stop`, which overtakes all other commands."""
         return self.name == 'stop'
 
     @property

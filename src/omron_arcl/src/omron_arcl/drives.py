@@ -1072,7 +1072,7 @@ class Drives:
                 self._executions[last.number] = execution
         else:
             self._add(RecordKind.STOP, giver, words, execution, command=command)
-        # the stop may end another giver's drive that is on its way, of which `giver` may not know
+        # a drive of another giver may be on its way: the stop may end it without `giver` knowing it
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
@@ -1080,8 +1080,8 @@ class Drives:
                  activity: Optional[Activity] = None) -> None:
         """Notes that others drive or stop the robot.
 
-        Unanswered drives may still reach the robot afterwards, and so may the stops for these
-        drives. Therefore their records are kept.
+        Unanswered drives, and the stops for these drives, may still reach the robot afterwards.
+        Therefore their records are kept.
         """
         to_come = [r for r in self._records if r.pending or self._has_to_answer(r)]
         self._records = (

@@ -87,7 +87,7 @@ class RobotWords:
     def emergency_told(self) -> bool:
         """Whether the emergency stop is pressed according to the robot's words.
 
-        Until the robot has said something on this connection, its words on the last one count.
+        Until the robot speaks on this connection, its words on the last connection count.
         """
         return self.emergency or self._emergency_before and self.activity is None
 

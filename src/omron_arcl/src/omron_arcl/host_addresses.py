@@ -49,8 +49,8 @@ class HostAddresses:
     def belongs(self, address: str, since: float) -> Optional[bool]:
         """Returns whether `address` is an address of the host.
 
-        None: this is unknown until a look-up has ended that began after `since` (s, monotonic).
-        `on_answer` is called at the end of that look-up.
+        None: no look-up that began after `since` (s, monotonic) has ended yet. `on_answer` is
+        called when one ends.
         """
         with self._change:
             if self._thread is None or self._answered >= since:

@@ -49,7 +49,7 @@ class MeanMotion:
 
 
 class MotionMeter:
-    """Computes the motion at each location that follows another one."""
+    """Computes the mean motion from each location to the next."""
 
     def __init__(self) -> None:
         self._last: Optional[TimedPose] = None

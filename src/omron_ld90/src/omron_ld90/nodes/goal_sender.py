@@ -292,7 +292,7 @@ class GoalSender:
     # Results
 
     def _on_line(self, number: int, line: str) -> None:
-        """Shows the robot's line when it sets out."""
+        """Shows the line with which the robot sets out."""
         with self._lock:
             given = self._given.get(number)
             if given and isinstance(parse_line(line), (replies.GoingTo, replies.GoingToPoint)):
