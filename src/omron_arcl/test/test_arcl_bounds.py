@@ -23,7 +23,7 @@ NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
 # s, longest time of one command; a command may wait for several others with the same name.
 LONGEST_WAIT = 61.0
-LATER = 100  # steps after the end of the last command, in which nothing may be sent
+LATER = 100  # steps after the end of the last command; nothing may be sent in them
 
 STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
 ACTIVITIES = (

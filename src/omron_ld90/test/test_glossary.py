@@ -44,7 +44,7 @@ def plain(identifier: str) -> str:
 
 
 class Names(NamedTuple):
-    """The names in a module: of its classes, of its functions, and all identifiers.
+    """The names of the classes and functions in a module, and all its identifiers.
 
     texts -- the texts that are not docstrings
     """

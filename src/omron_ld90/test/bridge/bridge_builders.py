@@ -205,7 +205,7 @@ class GraphRobot:
 
 
 class Bench:
-    """A follower that commands a robot, with a clock that the test moves on."""
+    """A follower that commands a robot. The test moves the clock."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
                  period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.RobotLink] = (),

@@ -16,7 +16,7 @@ MARGIN = 0.9
 
 
 def is_the_free_way(graph, edges, arc, corridor_width, tolerance):
-    """Returns whether the robot would by itself drive along all edges."""
+    """Returns whether the robot's own path follows all edges."""
     return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
                for count in range(1, len(edges) + 1))
 
