@@ -111,7 +111,7 @@ class Witness(DelayedDrive):
         self._foreign: Set[int] = set()
         # the epoch in the bridge's reports when the bridge was told of an epoch of others
         self._overruled_in = 0
-        # the last word when a stop was sent: for each stop on its way, and for the newest that arrived
+        # the last word when a stop was sent: for each stop on its way, and the newest that arrived
         self._stops_sent: List[Word] = []
         self._stopped = NO_WORD
         # words of other clients, before a stop that has not reached the robot yet
