@@ -51,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """Once, the fleet drove on a robot that a person had sent to a point with another client."""
+    """Once, a person sent the robot to a point with another client, but the fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])

@@ -90,7 +90,7 @@ def names() -> Dict[Path, Names]:
 
 @lru_cache(maxsize=None)
 def identifiers() -> Dict[str, Set[str]]:
-    """Returns the packages of each plain identifier; names of modules are identifiers, too."""
+    """Returns each plain identifier with the packages that use it. Names of modules count, too."""
     found: Dict[str, Set[str]] = {}
     for path in MODULES:
         package, *module = path.relative_to(ROOT / 'src').with_suffix('').parts[2:]

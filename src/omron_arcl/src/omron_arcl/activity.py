@@ -79,7 +79,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Returns a reader of lines about a goal. Some robots name a point by its coordinates."""
+    """Returns a reader of lines about a goal; `point` is for a goal whose name is coordinates."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]

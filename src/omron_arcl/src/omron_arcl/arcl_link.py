@@ -52,7 +52,7 @@ class ArclLink(Transport):
 
     silence -- s; after a longer time without a line, the link counts as dead
     log     -- records all lines of both sides
-    resets  -- the connection is reset when it closes, even if the process is killed: the kernel
+    resets  -- whether the connection is reset when it closes, even by a killed process: the kernel
                then drops undelivered data
 
     The class has many attributes because one thread keeps one connection with its address, times

@@ -3,9 +3,9 @@
 The robot answers in the order of sending, but its lines carry no id. Only the text of a line, and
 what the robot did before, connect the line with a command. The table `ATTRIBUTIONS` has one part
 for each kind of consequence that a line may have (`LinePart`). In each part, the first row that
-holds decides. A row that ends, acknowledges or continues commands finds these commands among those
-that were sent. `drives` records the consequences. If no line names a drive, `judgements` compares
-the drive with the robot's activity.
+holds decides. A row may also find, among the commands that were sent, those that the line ends,
+acknowledges or continues. `drives` records the consequences. If no line names a drive, `judgements`
+compares the drive with the robot's activity.
 
 Each row names its source: a page of OMRON's ARCL manual I617-E-01, or of I617-E-02 if the row says
 so. `observed` means that programs for real robots rely on the statement. `assumed` means that no
@@ -301,9 +301,9 @@ def _fresh(commands: CommandQueue) -> List[Execution]:
 def _began(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot has acknowledged, the newest first.
 
-    If the line begins a motion, two kinds of drives are left out, because they do not set out
-    again: drives before a stop that the robot obeys, even if the robot has not yet said that they
-    are over; and drives that something newer has replaced, such as a stop of another client.
+    If the line begins a motion, drives that do not set out again are left out. These are all drives
+    before a stop that the robot obeys, even if the robot has not said yet that they are over, and
+    drives that something newer has replaced, such as a stop of another client.
     """
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
@@ -317,7 +317,7 @@ def _began(commands: CommandQueue) -> List[Execution]:
 def _next(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot may acknowledge or complete now, the oldest first.
 
-    The first drive about which the robot has said nothing comes next. A drive behind it is returned
+    The first drive about which the robot has said nothing comes next. A later drive is returned
     only if the robot's lines name its goal, route or task.
     """
     first = _first_unanswered(commands)
@@ -333,7 +333,7 @@ def _is_named(execution: Execution) -> bool:
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
-    """Returns the number, in the order of sending, of the oldest drive without any line."""
+    """Returns the number (`order`) of the oldest drive about which no line has come."""
     return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 
@@ -374,8 +374,8 @@ def _refused(commands: CommandQueue) -> Sequence[Execution]:
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """Returns the newest unanswered command, for a line that names no command.
 
-    A drive or stop is the last choice: if the robot carries out the drive after all, the drive must
-    still have a giver.
+    Other commands come before drives and stops: if a drive ended here, but the robot carried it
+    out, the drive would have no giver.
     """
     unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
@@ -395,7 +395,7 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """Returns the stops that a `Stopped` ends.
 
     The robot answers in the order of sending. If it has said nothing about a drive, it has not
-    answered a stop behind that drive either: an earlier stop or another client stopped the robot.
+    answered a stop after that drive either: an earlier stop or another client stopped the robot.
     If the robot never says anything about the drive, a doubt ends the stop later; see `drives`.
     """
     if not commands.records.heard.stopped_by_us:
@@ -406,7 +406,7 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
 
 
 def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]:
-    """Returns the drives that have ended for their givers and that the line is about.
+    """Returns those drives that the line is about, and that have ended for their givers.
 
     For a refusal, this is the drive that the refusal names, if the robot has to answer it next. For
     `Interrupted`, these are the drives that may have caused the interrupted motion.
@@ -573,7 +573,7 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns the drive that fails before it begins. Once a drive has begun, the status decides."""
+    """Returns a drive that fails before it begins; later, the status decides about the drive."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 

@@ -54,7 +54,7 @@ class CommandSpec:
     aborted_by -- the reply that shows that an acknowledged command was broken off
     timeout -- the command times out after so many s without a line or status about it; before it is
         acknowledged, after at most `ACKNOWLEDGE_TIMEOUT`
-    course -- set for commands that take over the wheels, and so replace the drive before them
+    course -- set for commands that drive the robot, and so replace the drive before them
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- the command is not sent while the robot drives
@@ -83,7 +83,7 @@ class CommandSpec:
 
     @property
     def drives(self) -> bool:
-        """Whether the command takes over the wheels."""
+        """Whether the command drives the robot, and so replaces the drive before it."""
         return self.course is not None
 
     @property
@@ -94,7 +94,7 @@ class CommandSpec:
 
     @property
     def may_repeat(self) -> bool:
-        """Whether giving the command again while the robot obeys it changes nothing."""
+        """Whether nothing changes if the command is given again while the robot obeys it."""
         return (self.course in (DriveCourse.TO_A_PLACE, DriveCourse.INTO_THE_DOCK)
                 and not self.adds_job)
 

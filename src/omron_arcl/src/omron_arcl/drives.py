@@ -63,7 +63,7 @@ Derived values and rules:
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
   refused after the robot has broken off a drive of another client, until the robot says more.
 - A stop is owed while its record is not OVER.
-- A stop is also owed after these events: a giver gave a newer drive and cancelled the older one
+- A stop is also owed after all these events: a giver gave a newer drive and cancelled the older one
   (`is_cancelled`), the newer drive was lost, and the robot carries out the older one.
 - While a drive that has begun is doubted because another client may have stopped the robot, no
   drive that names an epoch is sent.
@@ -300,7 +300,7 @@ class Drives:
     """The records of one robot. The caller holds one lock while it uses this object or sends.
 
     stored -- the memory that an earlier process stored
-    store -- saves the memory for a restart; called before the command that changes it is sent
+    store -- saves the memory for a restart; called before the command is sent that changed it
 
     The class has many methods: there is one for each event, and all of them change the same
     records.
@@ -531,7 +531,7 @@ class Drives:
     def _end_doubt(self, execution: Execution, outcome: Outcome, now: float) -> None:
         """Removes the doubt about a command that has ended.
 
-        If the command is a stop that the robot did not answer, its answer is not expected any more.
+        If the command is an unanswered stop, no answer to it is expected any more.
         """
         under_way = self.record_of(execution)
         if execution.command.spec.stops and not self.has_begun(execution) and (
@@ -770,7 +770,7 @@ class Drives:
             for r in before)
 
     def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
-        """Returns the drive with one of these names that the robot has to answer next.
+        """Returns the drive that the robot has to answer next, of those with one of these names.
 
         None: there is none, or the drive has not ended for its giver.
 
@@ -926,7 +926,7 @@ class Drives:
     def _moves_strangely(self, ruling: DriveRecord, activity: Activity, text: str) -> bool:
         """Returns whether no known drive causes a motion.
 
-        If a drive of ours whose fate is unknown causes it, notes that the robot obeys that drive.
+        If the cause is a drive of ours with unknown fate, notes that the robot obeys that drive.
         """
         shown = self._shown_drive(activity)
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
@@ -1139,7 +1139,7 @@ class Drives:
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
 
     def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
-        """Returns the commands of these stops that are the last commands of their givers."""
+        """Returns those commands of these stops that are the last commands of their givers."""
         told = {(last.giver, last.number) for last in self._memory.last_commands}
         return tuple(command for stop in stops for command in stop.commands
                      if command in told)[:_KEPT_GIVERS]

@@ -47,7 +47,7 @@ class Result:
 @dataclass
 class CommandProgress:
     """The progress of a command since it was sent, as the queue and the attribution note it.
-    The command's record says whether the robot obeys the command, and any doubt; see `drives`.
+    The command's record says whether the robot obeys, and whether this is doubted; see `drives`.
 
     epoch -- the epoch in which the command was given
     sent_at -- when the command was sent

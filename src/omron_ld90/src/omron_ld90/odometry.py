@@ -1,9 +1,9 @@
 """Estimates a robot's motion from its successive locations. No ROS; metres, radians, seconds.
 
-An ARCL robot sends the pose of its own localization two to ten times a second, and no wheel counts.
-The module assumes that the robot drove an arc between two locations. So its mean speed and turn
-rate are known, but not its present motion. The variances express this: they grow with the time
-between locations.
+An ARCL robot sends the pose of its own localization two to ten times a second, but it does not send
+the counts of its wheels. The module assumes that the robot drove an arc between two locations. So
+its mean speed and turn rate are known, but not its present motion. The variances express this: they
+grow with the time between locations.
 """
 from __future__ import annotations
 

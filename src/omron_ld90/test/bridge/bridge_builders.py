@@ -326,7 +326,7 @@ class Bench:
             self._act(self.follower.tick(self.now))
 
     def restart(self, away: float = 0.0) -> None:
-        """Restarts the bridge's process after `away` s, in which the robot drives on."""
+        """Restarts the bridge's process after `away` s. The robot drives on meanwhile."""
         record = self.follower.record
         follower = self.follower
         end = self.now + away

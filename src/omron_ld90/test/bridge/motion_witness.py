@@ -638,7 +638,7 @@ class Witness(DelayedDrive):
             self._anothers = crosses  # otherwise the robot has refused the drive, and goes on
 
     def _note_obeyed(self, line: str) -> None:
-        """Notes which drive the robot carries out after it has received a line."""
+        """Notes which drive the robot carries out now that it has received a line."""
         given = next((e for e in self._given if e.sent and e.command.text == line), None)
         if given is not None:
             self._given.remove(given)

@@ -121,7 +121,7 @@ class SimulatedDrive:
         self.run(lambda: self.now >= end, seconds + 1.0)
 
     def send(self, command: str, seconds: float = 300.0) -> None:
-        """Sends a command that drives the robot, without the bridge. Waits until it has arrived."""
+        """Drives the robot by a command, without the bridge, and waits until it has arrived."""
         heard = len(self.lines)
         self._client.receive(f'{command}\n'.encode())
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))

@@ -94,7 +94,7 @@ def grids(draw):
 
 
 def simple_ways(graph: Graph, start: int, end: int) -> dict:
-    """Returns the length of each simple path by its edges; the search is slow, but certain."""
+    """Returns {edges of a simple path: its length}, for all paths. The search is slow, but sure."""
     ways, stack = {}, [(start, (), 0.0, {start})]
     while stack:
         at, edges, length, seen = stack.pop()

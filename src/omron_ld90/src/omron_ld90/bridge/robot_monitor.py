@@ -78,7 +78,7 @@ class RobotMonitor:
 
     def route_extended(self) -> None:
         """Notes that a complete route gets longer. If another giver has driven the robot since the
-        end of the route, this does not count as a take-over.
+        route ended, that drive does not count as a take-over.
         """
         self._taken_over = None
 
@@ -201,8 +201,8 @@ class RobotMonitor:
             self._judge_foreign_epoch(known, event)
 
     def _is_of_master(self, event: p.MotionTold) -> bool:
-        """Returns whether a command of the master itself began this epoch. The master decides its
-        later orders after that command.
+        """Returns whether a command of the master itself began this epoch. If so, the later orders
+        of the master are given after this command.
 
         The answer is no if the command ended a drive of ours that the controller had, or if there
         may have been epochs between this one and the last one that is known here.

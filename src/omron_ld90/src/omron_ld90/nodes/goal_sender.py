@@ -83,7 +83,7 @@ from omron_map import MapDocument
 TRANSFORM_TIMEOUT = 0.3  # s
 CHECK_PERIOD = 0.5  # s
 
-# The commands of the menu entries whose command does not depend on the goal.
+# The commands of those menu entries that do not depend on the goal.
 COMMANDS = {HandleAction.DOCK: 'dock', HandleAction.UNDOCK: 'undock', HandleAction.STOP: 'stop'}
 
 LOCALIZE = 'localizeToPoint'
