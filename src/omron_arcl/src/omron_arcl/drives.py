@@ -300,7 +300,8 @@ class Drives:
     """The records of one robot. The caller holds one lock while it uses this object or sends.
 
     stored -- the memory that an earlier process stored
-    store -- saves the memory for a restart; called before the command is sent that changed it
+    store -- saves the memory for a restart; if a command changes it, it is saved before the command
+        is sent
 
     The class has many methods: there is one for each event, and all of them change the same
     records.
@@ -759,7 +760,7 @@ class Drives:
     def comes_earlier(self, drive: Execution) -> bool:
         """Returns whether a line that names the goal of `drive` may be about an earlier drive.
 
-        The earlier drive goes to the same goal and has ended for its giver. The robot has not
+        This is an earlier drive to the same goal that has ended for its giver. The robot has not
         answered it, or has not answered a stop that was sent between the two drives.
         """
         before, names = self._before(drive), set(names_of(drive.command))
@@ -1149,7 +1150,7 @@ class Drives:
                     if last.giver == giver.name), default=0)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
-        """Returns the changes of the epoch since `epoch` that `giver` did not cause.
+        """Returns those changes of the epoch since `epoch` that `giver` did not cause.
 
         None: `epoch` is not remembered any more.
         """

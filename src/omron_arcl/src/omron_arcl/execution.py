@@ -143,7 +143,7 @@ class Execution:
 
     @property
     def is_answered(self) -> bool:
-        """Whether the answer is not documented, and a line came that may be this answer."""
+        """Whether the command has no documented answer, and a line came that may be its answer."""
         return (self.command.spec.completed_by is None and self.progress.rejected_at is None
                 and self.progress.heard > self.progress.sent_at)
 

@@ -584,8 +584,8 @@ class Witness(DelayedDrive):
                            if record.pending and word.drives]
 
     def _is_shown(self, line: str) -> bool:
-        """Returns whether the next status shows what a lost line said. It does not if the robot has
-        replaced the drive since.
+        """Returns whether the next status shows what a lost line said. This is not so if the robot
+        has replaced the drive since.
         """
         return self.robot.status == line or (
             line == 'EStop pressed' and self.robot.status.startswith('EStop'))

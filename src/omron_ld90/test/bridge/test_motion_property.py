@@ -1,6 +1,6 @@
 """Many givers drive and stop one robot; messages are lost, and programs are restarted.
 
-No giver drives the robot after a command that it does not know of, and no stop is forgotten.
+No giver drives the robot without knowledge of an earlier command, and no stop is forgotten.
 """
 from __future__ import annotations
 

@@ -54,8 +54,8 @@ class GraphPicture:
     def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
         """Returns the edges as curves with an arrowhead to their end, and the vertices with ids.
 
-        A vertex has one ring, an end vertex two, the dock three. If the name of a goal or dock of
-        the map already shows the id at a vertex, the id is not drawn again.
+        A vertex has one ring, an end vertex has two, and the dock has three. If the name of a goal
+        or dock of the map already shows the id at a vertex, the id is not drawn again.
 
         named -- the positions (m) of the map's goals and docks by name
         """
