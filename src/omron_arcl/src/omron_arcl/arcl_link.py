@@ -20,7 +20,7 @@ from omron_arcl.transport import Transport
 
 CONNECT_TIMEOUT = 3.0  # s, for each address of the server
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s; a longer time without a line fails the login; `silence` if longer
+LOGIN_SILENCE = 4.0  # s; a login fails after so long without a line (`silence`, if longer)
 
 
 class LinkUser(Protocol):

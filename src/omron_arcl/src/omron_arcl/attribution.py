@@ -46,7 +46,7 @@ _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
 # Activities that some robots report with a word such as `Docking` instead of a docking state.
 _IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
-# Lines to all clients, and refusals. A command with an undocumented answer is never answered so.
+# Lines to all clients, and refusals. They never answer a command whose answer is undocumented.
 _NO_ANSWER = frozenset((
     replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
     replies.ArrivedAtPoint, replies.Parking, replies.Stopping, replies.Stopped,

@@ -247,7 +247,7 @@ class LapCompleted(Reply):
 
 
 class DockingState(Enum):
-    """Whether the robot is docked, docks, undocks, or has no contact with the charging station."""
+    """Whether the robot is undocked, docks, is docked, or undocks."""
 
     UNDOCKED = 'Undocked'
     DOCKING = 'Docking'

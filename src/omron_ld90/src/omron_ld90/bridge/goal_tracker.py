@@ -8,8 +8,8 @@
     lost           `motion` shows FAILED                       failed
     lost           `motion` shows NOT_OBEYED                   under way: it is given again
 
-Invariants: only the last command counts; a new command replaces all that is known about the last
-one. A drive is given again only if the robot does not carry it out; see `last_word`.
+Invariants: only the last command counts; a new command replaces all that is known about earlier
+ones. A drive is given again only if the robot does not carry it out; see `last_word`.
 """
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class RouteProgress:
         """Begins on `edges[current]`, at the point of the edge that is nearest to `place`.
 
         tolerance -- m, distance to a vertex within which the robot passes the vertex
-        by_word   -- vertices (the dock) that are passed only when the robot has reported arrival; see
+        by_word   -- vertices (the dock) that are passed only after the robot has reported it; see
                      `complete_current`
         """
         self.graph = graph

@@ -38,7 +38,7 @@ class StrategyContext:
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """Returns the index of the last edge to whose end the robot's own path follows the route.
+        """Returns the index of the farthest edge to whose end the robot's own path is the route.
 
         The search begins with the edge `first`. It goes beyond an edge only if the index of the
         edge is `wanted`, and never beyond the next stop.
