@@ -301,9 +301,9 @@ def _fresh(commands: CommandQueue) -> List[Execution]:
 def _began(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot has acknowledged, the newest first.
 
-    If the line begins a motion, drives that do not set out again are left out. These are all drives
-    before a stop that the robot obeys, even if the robot has not said yet that they are over, and
-    drives that something newer has replaced, such as a stop of another client.
+    If the line begins a motion, drives that do not set out again are left out. These are the drives
+    that something newer has replaced, such as a stop of another client. They are also all drives
+    before a stop that the robot obeys, even if it has not said yet that they are over.
     """
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
@@ -456,8 +456,8 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
     """Returns the drive that the line shows to be under way.
 
-    A drive to the dock is left out while the robot drives to another goal. If the line names the
-    goal of an ended drive, and the robot has to answer this drive next, drives that are not
+    A drive to the dock is left out while the robot drives to another goal. The robot may have to
+    answer an ended drive next. If the line names the goal of such a drive, drives that are not
     acknowledged are left out.
     """
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]

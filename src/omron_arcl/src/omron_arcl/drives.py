@@ -896,8 +896,8 @@ class Drives:
     def _is_to_be_stopped(self, activity: Activity) -> bool:
         """Returns whether a stop is owed for the motion that the robot shows.
 
-        The stop was given after a drive of ours that may be the cause of the motion, or after this
-        same motion of another client had begun.
+        This is so if the cause may be a drive of ours that was given before the stop. It is also so
+        if another client had begun this same motion before the stop.
         """
         newest = max((r.number for r in self._records if r.owed), default=0)
         return any(r.number < newest and (

@@ -57,8 +57,8 @@ class MotionMeter:
     def add(self, location: TimedPose) -> Optional[MeanMotion]:
         """Returns the motion since the previous location.
 
-        None: there was no location within the last MAX_GAP s, or the robot cannot have driven from
-        the previous location to this one and so was relocalized.
+        None: there was no location within the last MAX_GAP s, or the robot was relocalized, because
+        it cannot have driven from the previous location to this one.
         """
         last, self._last = self._last, location
         if last is None or not 0.0 < location.time - last.time <= MAX_GAP:

@@ -204,8 +204,8 @@ class RobotMonitor:
         """Returns whether a command of the master itself began this epoch. If so, the later orders
         of the master are given after this command.
 
-        The answer is no if the command ended a drive of ours that the controller had, or if there
-        may have been epochs between this one and the last one that is known here.
+        Returns False if the command ended a drive of ours that the controller had. Also returns
+        False if there may have been epochs between this one and the last one known here.
         """
         word = self.tracker.word
         had_our_drive = self.tracker.goal is not None and 0 < word.number <= event.number
