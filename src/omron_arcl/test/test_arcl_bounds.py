@@ -1,6 +1,6 @@
 """A robot may send anything, in any order and in any pieces; commands are cancelled, links break.
 
-In each case a given command ends within its time limit and has one outcome. No motion is sent
+In each case, each command ends within its time limit and has one outcome. No motion is sent
 twice, and a stop is sent first. 60 histories by default, 10,000 with LD90_LONG_TESTS=1.
 """
 from __future__ import annotations
@@ -23,7 +23,7 @@ NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
 # s, longest time of one command; a command may wait for several others with the same name.
 LONGEST_WAIT = 61.0
-LATER = 100  # steps after the end of the last command, in which nothing may be sent
+LATER = 100  # steps after the end of the last command; nothing may be sent in them
 
 STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
 ACTIVITIES = (

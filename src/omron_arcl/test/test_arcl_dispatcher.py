@@ -285,7 +285,7 @@ def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
     assert outcome(later) is Outcome.SUCCEEDED
 
 
-# We stop the robot, but another client drives it before it stands: it never sends `Stopped`.
+# We stop the robot, but another client drives it before it stands. So no `Stopped` ever comes.
 OVERTAKEN = ('Interrupted: Going to A', 'Stopping', 'Going to B')
 
 
@@ -509,7 +509,7 @@ def test_an_older_drive_that_times_out_stops_no_newer_one(talk):
 
 
 def test_a_cancelled_drive_is_stopped_when_the_newer_one_does_not_replace_it(talk):
-    """The robot may have missed the newer drive. The older one must not go on for a minute."""
+    """The robot may have missed the newer drive. Then the older one must not go on for a minute."""
     older = talk.give('goto 12')
     talk.robot('Going to 12')
     talk.give('goto 13')

@@ -82,7 +82,7 @@ class RobotAmongOthers:
                 passed = self._heard[self._told[epoch]:] if epoch and text != 'stop' else []
                 assert self.is_ambiguous or not passed, f'{text} passes {passed}'
                 other = self._givers.setdefault(text, giver)
-                self.is_ambiguous |= text != 'stop' and other != giver  # two givers, one place
+                self.is_ambiguous |= text != 'stop' and other != giver  # two givers, one goal
             elif text == 'stop':
                 self._must_stand = not self._unheard  # a drive during the outage is not stopped
                 self.bench.stop_without_link(giver)

@@ -14,7 +14,7 @@ from omron_arcl import Backoff, Client, Listener, Outcome
 
 RECONNECTS = 1000 if os.environ.get('LD90_LONG_TESTS') == '1' else 300
 WARM = 100  # number of connections before memory is measured
-KEPT = 200_000  # bytes that may remain: caches of the interpreter
+KEPT = 200_000  # bytes that may remain, in caches of the interpreter
 IS_TRACED = sys.gettrace() is not None  # coverage keeps data for each thread that has ever run
 
 

@@ -51,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """Once, a person drove the robot to a point with another client; the fleet drove it on."""
+    """Once, a person sent the robot to a point with another client, but the fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])
@@ -150,7 +150,7 @@ class TestADriveToAGoalOfOurs:
 
 
 class TestADriveThatGoesOn:
-    """The giver of the drive may have given it up, so it must learn that the drive goes on."""
+    """The giver may have given up the drive. So the giver must learn that the drive goes on."""
 
     def test_although_the_drive_that_was_to_replace_it_was_lost_with_the_link(self, bench):
         driving(bench)

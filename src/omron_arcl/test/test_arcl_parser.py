@@ -171,7 +171,7 @@ CASES = [
      Fault('Fault_Application', 'f', '', '', False, False, True, cleared=True)),
     ('Saying "hello"', Done('Saying "hello"')),
     ('ApplicationFaultSet set f', Done('ApplicationFaultSet set f')),
-    # examples of the newer manual, I617-E-02: data store (p. 110-119, 244)
+    # examples of the newer manual, I617-E-02, for the data store (p. 110-119, 244)
     ('GetDataStoreGroupValues: RobotsAvail 3', Item('GetDataStoreGroupValues', 'RobotsAvail 3')),
     ('GetDataStoreFieldValues: ParkingTime 773.984',
      Item('GetDataStoreFieldValues', 'ParkingTime 773.984')),

@@ -1,4 +1,4 @@
-"""Files and modules that the documents name exist; the pages follow further rules."""
+"""All files and modules that the documents mention exist; the pages follow further rules."""
 from __future__ import annotations
 
 import ast

@@ -14,7 +14,7 @@ HELP = ROOT / 'src/omron_ld90_sim/src/omron_ld90_sim/interface/faults.py'
 NOUNS = {'Areas', 'Bytes', 'Distances', 'Docks', 'Doors', 'Edges', 'Goals', 'Ids', 'Lines',
          'Metres', 'Minutes', 'Missions', 'Pairs', 'Pictures', 'Rectangles', 'Robots', 'Rows',
          'Seconds', 'Vertices'}
-"""Plural nouns with which docstrings once began, but not `Names` and `Points`: also verbs."""
+"""Plural nouns with which docstrings once began. `Names` and `Points` are left out: also verbs."""
 VERB = re.compile(r'See\b|[A-Z][a-z]+s\b')
 
 
@@ -22,7 +22,7 @@ class Docstring(NamedTuple):
     place: str
     text: str
     is_of_function: bool
-    """False also for a property, whose docstring names the value, like that of an attribute."""
+    """False also for a property: its docstring names a value, as that of an attribute does."""
 
 
 def docstrings_in(path: Path) -> List[Docstring]:

@@ -1,4 +1,4 @@
-"""The table of files in docs/explanation/security.md is compared with the files strictly."""
+"""The table of files in docs/explanation/security.md is compared strictly with the files."""
 from __future__ import annotations
 
 import shutil

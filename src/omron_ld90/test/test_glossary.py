@@ -44,7 +44,7 @@ def plain(identifier: str) -> str:
 
 
 class Names(NamedTuple):
-    """The names in a module: of its classes, of its functions, and all identifiers.
+    """The names of the classes and functions in a module, and all its identifiers.
 
     texts -- the texts that are not docstrings
     """
@@ -90,7 +90,7 @@ def names() -> Dict[Path, Names]:
 
 @lru_cache(maxsize=None)
 def identifiers() -> Dict[str, Set[str]]:
-    """Returns the packages of each plain identifier; names of modules are identifiers, too."""
+    """Returns each plain identifier with the packages that use it. Names of modules count, too."""
     found: Dict[str, Set[str]] = {}
     for path in MODULES:
         package, *module = path.relative_to(ROOT / 'src').with_suffix('').parts[2:]

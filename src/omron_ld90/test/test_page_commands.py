@@ -1,4 +1,4 @@
-"""Each command of README, tutorials and some how-to pages is run by a test, or has a reason."""
+"""A test runs each command of README, tutorials and some how-to pages, or a reason is given."""
 from __future__ import annotations
 
 import re

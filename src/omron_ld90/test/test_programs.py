@@ -1,4 +1,4 @@
-"""Every program of the workspace ends on Ctrl-C from its first line on, without a traceback."""
+"""Ctrl-C ends every program of the workspace without a traceback, even in its first line."""
 from __future__ import annotations
 
 import re

@@ -1,4 +1,4 @@
-"""A proof runs whole if a file that it reads has changed since its last success, and with --long.
+"""A proof runs whole with --long, or if a file that it reads has changed since its last success.
 
 Under a second Python version, tests run again if something that they read has changed.
 """

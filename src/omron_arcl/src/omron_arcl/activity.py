@@ -1,8 +1,8 @@
 """The robot's activity, read from its status text with one table for all programs.
 
 A status text has the form of another line of the robot (`Going to 12`,
-`DockingState: Docked ...`). The robot also sends many of these lines by themselves, at the moment
-when the activity begins.
+`DockingState: Docked ...`). The robot also sends many of these lines without a status, at the
+moment when the activity begins.
 """
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Returns a reader of lines about a goal. Some robots name a point by its coordinates."""
+    """Returns a reader of lines about a goal; `point` is for a goal whose name is coordinates."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]

@@ -20,7 +20,7 @@ from omron_arcl.transport import Transport
 
 CONNECT_TIMEOUT = 3.0  # s, for each address of the server
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s without a line after which a login has failed, unless `silence` is longer
+LOGIN_SILENCE = 4.0  # s; a login fails after so long without a line (`silence`, if longer)
 
 
 class LinkUser(Protocol):
@@ -50,9 +50,9 @@ class LinkUser(Protocol):
 class ArclLink(Transport):
     """Connects to a server again and again until `close`.
 
-    silence -- s without a line after which the link counts as dead
+    silence -- s; after a longer time without a line, the link counts as dead
     log     -- records all lines of both sides
-    resets  -- the connection is reset when it closes, even if the process is killed: the kernel
+    resets  -- whether the connection is reset when it closes, even by a killed process: the kernel
                then drops undelivered data
 
     The class has many attributes because one thread keeps one connection with its address, times
@@ -71,7 +71,7 @@ class ArclLink(Transport):
         self._trace: Optional[Trace] = None
 
     def wake(self) -> None:
-        """Lets the link fetch the lines to send from its user at once; for any thread."""
+        """Makes the link ask its user at once for lines to send. Any thread may call this."""
         self._waker.wake()
 
     def _run(self) -> None:

@@ -3,9 +3,9 @@
 The robot answers in the order of sending, but its lines carry no id. Only the text of a line, and
 what the robot did before, connect the line with a command. The table `ATTRIBUTIONS` has one part
 for each kind of consequence that a line may have (`LinePart`). In each part, the first row that
-holds decides. A row that ends, acknowledges or continues commands finds these commands among those
-that were sent. `drives` records the consequences. If no line names a drive, `judgements` compares
-the drive with the robot's activity.
+holds decides. A row may also find, among the commands that were sent, those that the line ends,
+acknowledges or continues. `drives` records the consequences. If no line names a drive, `judgements`
+compares the drive with the robot's activity.
 
 Each row names its source: a page of OMRON's ARCL manual I617-E-01, or of I617-E-02 if the row says
 so. `observed` means that programs for real robots rely on the statement. `assumed` means that no
@@ -46,7 +46,7 @@ _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
 # Activities that some robots report with a word such as `Docking` instead of a docking state.
 _IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
-# Lines to all clients, and refusals: never the answer to a command with an undocumented answer.
+# Lines to all clients, and refusals. They never answer a command whose answer is undocumented.
 _NO_ANSWER = frozenset((
     replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
     replies.ArrivedAtPoint, replies.Parking, replies.Stopping, replies.Stopped,
@@ -91,7 +91,7 @@ Find = Callable[[CommandQueue, Any], Found]
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table: lines of these kinds have this meaning for the commands from `find`."""
+    """A row of the table: what lines of these kinds mean for the commands that `find` returns."""
 
     name: str
     lines: Tuple[Type[Reply], ...]  # empty: all
@@ -159,8 +159,8 @@ class Attribution:
         self._commands.begin(execution, text)
 
     def _continued(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        """Handles a line about a drive. If the robot stands after the drive has begun, the line is
-        no sign of life of the drive.
+        """Handles a line about a drive. A line that shows a standing robot is no sign of life of a
+        drive that has begun.
 
         Some robots name their dock as a goal. On a drive to the dock, the first goal that the robot
         names is the dock; see `_leads_elsewhere`.
@@ -187,8 +187,8 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _refused(self, execution: Execution) -> None:
-        """Handles a refused drive for which the robot seemed to set out: the robot has set out for
-        another client. If another client has stopped it since then, this is already known.
+        """Handles the refusal of a drive for which the robot seemed to set out: the robot has set
+        out for another client. If it has been stopped since then, this is known already.
         """
         text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
         is_refused = execution.result is not None and execution.result.outcome in _REFUSED
@@ -301,9 +301,9 @@ def _fresh(commands: CommandQueue) -> List[Execution]:
 def _began(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot has acknowledged, the newest first.
 
-    If the line begins a motion, two kinds of drives are left out, because they do not set out
-    again: drives before a stop that the robot obeys, even if the robot has not yet said that they
-    are over; and drives that something newer has replaced, such as a stop of another client.
+    If the line begins a motion, drives that do not set out again are left out. These are the drives
+    that something newer has replaced, such as a stop of another client. They are also all drives
+    before a stop that the robot obeys, even if it has not said yet that they are over.
     """
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
@@ -317,7 +317,7 @@ def _began(commands: CommandQueue) -> List[Execution]:
 def _next(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot may acknowledge or complete now, the oldest first.
 
-    The first drive about which the robot has said nothing comes next. A drive behind it is returned
+    The first drive about which the robot has said nothing comes next. A later drive is returned
     only if the robot's lines name its goal, route or task.
     """
     first = _first_unanswered(commands)
@@ -333,7 +333,7 @@ def _is_named(execution: Execution) -> bool:
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
-    """Returns the number, in the order of sending, of the oldest drive without any line."""
+    """Returns the number (`order`) of the oldest drive about which no line has come."""
     return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 
@@ -355,7 +355,7 @@ def _to_complete(commands: CommandQueue) -> List[Execution]:
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns our drive that the robot carries out or, if there is none, our drive to come.
+    """Returns the drive of ours that the robot carries out, otherwise our next drive.
 
     Empty: the robot carries out a drive of another client, or we have sent no drive.
     """
@@ -374,8 +374,8 @@ def _refused(commands: CommandQueue) -> Sequence[Execution]:
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """Returns the newest unanswered command, for a line that names no command.
 
-    A drive or stop is the last choice: if the robot carries out the drive after all, the drive must
-    still have a giver.
+    Other commands come before drives and stops: if a drive ended here, but the robot carried it
+    out, the drive would have no giver.
     """
     unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
@@ -395,7 +395,7 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """Returns the stops that a `Stopped` ends.
 
     The robot answers in the order of sending. If it has said nothing about a drive, it has not
-    answered a stop behind that drive either: an earlier stop or another client stopped the robot.
+    answered a stop after that drive either: an earlier stop or another client stopped the robot.
     If the robot never says anything about the drive, a doubt ends the stop later; see `drives`.
     """
     if not commands.records.heard.stopped_by_us:
@@ -406,9 +406,9 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
 
 
 def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]:
-    """Returns the drives that have ended for their givers and that the line is about.
+    """Returns those drives that the line is about, and that have ended for their givers.
 
-    For a refusal, this is the drive that it names, if the robot has to answer this drive next. For
+    For a refusal, this is the drive that the refusal names, if the robot has to answer it next. For
     `Interrupted`, these are the drives that may have caused the interrupted motion.
     """
     if isinstance(reply, replies.Interrupted):
@@ -425,7 +425,7 @@ def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]
     return [ended] if ended else []
 
 
-# --- does a line fit a command? -------------------------------------------------------------------
+# --- whether a line fits a command ----------------------------------------------------------------
 
 def _any(execution: Execution, reply: Reply) -> bool:
     return True
@@ -456,8 +456,9 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
     """Returns the drive that the line shows to be under way.
 
-    A robot that docks drives to no goal but its dock. If the line names the goal of an ended drive
-    that the robot answers next, the line is not about a later drive that is not acknowledged.
+    A drive to the dock is left out while the robot drives to another goal. The robot may have to
+    answer an ended drive next. If the line names the goal of such a drive, drives that are not
+    acknowledged are left out.
     """
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
     goal = activity_of(reply).goal.casefold()
@@ -572,7 +573,7 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns the drive that fails before it begins. Once a drive has begun, the status decides."""
+    """Returns a drive that fails before it begins; later, the status decides about the drive."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -580,8 +581,8 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 # --- what the robot does --------------------------------------------------------------------------
 
 def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns whether the robot says `Stopped` unexpectedly while a `Stopping` for our stop has not
-    come: the last `Stopping` was attributed wrongly.
+    """Returns whether the robot says `Stopped` unexpectedly, and has sent no `Stopping` for our
+    stop: the last `Stopping` was attributed wrongly.
     """
     heard = commands.records.heard
     return heard.will_not_stand and heard.unheard_stops > 0
@@ -590,9 +591,9 @@ def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
     """Returns our oldest stop for which no `Stopping` has come.
 
-    True: this stop has ended for its giver already. False: there is no such stop, or the robot has
-    to answer a drive before the stop and may halt for another reason first: a reason of its own
-    (`SelfStop`), or the replacement of its motion by that drive.
+    True: this stop has ended for its giver already. False: there is no such stop, or another halt
+    may come first: while the robot has to answer a drive before the stop, it may halt by itself
+    (`SelfStop`), or because that drive replaces its motion.
     """
     records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]

@@ -35,9 +35,9 @@ class Client(ArclLink):
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
     on_login(HelpList): the login succeeded; called once per connection. log: records all lines of
-    both sides. heartbeat: seconds between two requests for a sign of life. timeout: seconds without
-    a sign of life after which the link counts as dead. records: the records of the robot's drives.
-    on_motion(RobotMotion): the motion has changed; called by any thread.
+    both sides. heartbeat: seconds between two requests for a sign of life. timeout: s; after a
+    longer time without a sign of life, the link counts as dead. records: the records of the robot's
+    drives. on_motion(RobotMotion): the motion has changed; called by any thread.
 
     The client is the user of its own link. It has many attributes because one thread keeps one
     connection with its parts, callbacks and times.
@@ -78,7 +78,7 @@ class Client(ArclLink):
 
     @property
     def names(self) -> Mapping[str, bytes]:
-        """The robot's bytes for each name that the robot has listed and that is not ASCII."""
+        """The listed names that are not ASCII, each with the robot's bytes for it."""
         with self._lock:
             return dict(self._names)
 
@@ -92,12 +92,12 @@ class Client(ArclLink):
         Unclear. A stop that is given without a link becomes an owed stop: it is sent as soon as
         there is a link.
 
-        timeout: seconds without a line about the command until it times out; None: the timeout of
+        timeout: the command times out after so many s without a line about it; None: the timeout of
         the kind of command. on_line, on_end: called by the client's thread. check: called with the
         command before it is sent; raises ArclError if the command must not be sent.
         stop_on_timeout: stops a drive that has timed out. known_epoch: the epoch that `giver`
-        knows; 0 is for people, whose commands are valid in each epoch. number: the giver numbers
-        its commands in ascending order; `motion` shows the fate of its last command.
+        knows; 0 is for people, whose commands are valid in each epoch. number: the number that the
+        giver gives the command (ascending); `motion` shows the fate of the giver's last command.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)

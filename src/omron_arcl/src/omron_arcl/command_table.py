@@ -26,7 +26,7 @@ from omron_arcl.predicates import (
 )
 from omron_arcl.replies import DockingState, UnknownLine
 
-# s without a line or status about a drive that has begun, until it times out
+# s; without a line or status for so long, a drive that has begun times out
 _DRIVE_TIMEOUT = 600.0
 _TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 
@@ -45,7 +45,7 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
            goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
            course: DriveCourse = DriveCourse.TO_A_PLACE, shortcut: str = '',
            adds_job: bool = False) -> CommandSpec:
-    """Returns a row for a command that takes over the wheels."""
+    """Returns a row for a command that drives the robot."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
                        related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
                        shortcut, adds_job=adds_job)
@@ -53,7 +53,7 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
 
 def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
            goal_at: Optional[int] = None) -> CommandSpec:
-    """Returns a row for a command that takes over the wheels for several drives and other tasks."""
+    """Returns a row for a command that makes the robot do several drives and other tasks."""
     return _drive(syntax, acknowledged_by, completed_by, related, _TASKS_TIMEOUT, goal_at,
                   course=DriveCourse.OF_TASKS)
 

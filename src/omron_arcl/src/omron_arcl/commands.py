@@ -52,9 +52,9 @@ class CommandSpec:
     acknowledged_by -- the reply that shows that the robot obeys; None: no such reply is documented
     related -- further lines that belong to the command
     aborted_by -- the reply that shows that an acknowledged command was broken off
-    timeout -- seconds without a line or status about the command until it times out; at most
-        `ACKNOWLEDGE_TIMEOUT` until the command is acknowledged
-    course -- set for commands that take over the wheels, and so replace the drive before them
+    timeout -- the command times out after so many s without a line or status about it; before it is
+        acknowledged, after at most `ACKNOWLEDGE_TIMEOUT`
+    course -- set for commands that drive the robot, and so replace the drive before them
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- the command is not sent while the robot drives
@@ -83,7 +83,7 @@ class CommandSpec:
 
     @property
     def drives(self) -> bool:
-        """Whether the command takes over the wheels."""
+        """Whether the command drives the robot, and so replaces the drive before it."""
         return self.course is not None
 
     @property
@@ -94,13 +94,13 @@ class CommandSpec:
 
     @property
     def may_repeat(self) -> bool:
-        """Whether giving the command again while the robot obeys it changes nothing."""
+        """Whether nothing changes if the command is given again while the robot obeys it."""
         return (self.course in (DriveCourse.TO_A_PLACE, DriveCourse.INTO_THE_DOCK)
                 and not self.adds_job)
 
     @property
     def stops(self) -> bool:
-        """Whether it is `stop`, which overtakes all other commands."""
+        """Whether the command is `stop`, which overtakes all other commands."""
         return self.name == 'stop'
 
     @property

@@ -15,11 +15,12 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
-_STANDSTILL = 1.0  # s between two reads; after a longer time, the received data may be old
-_GAPS = 4.0  # after a pause of this many usual pauses of the peer, the received data may be old
-# Received data counts as new again if the thread has waited for it longer than:
+_STANDSTILL = 1.0  # s; after a longer time between two reads, the received data may be old
+_GAPS = 4.0  # if a pause of the peer is so many times as long as usual, its data may be old
+# Data counts as new again if the thread has waited for it longer than _DRAINED. If the data has
+# been old for longer than _FLUSHED, a wait longer than _WAITED suffices.
 _DRAINED = 0.03  # s
-_WAITED, _FLUSHED = 0.001, 0.5  # s; _WAITED suffices _FLUSHED s after the data became old
+_WAITED, _FLUSHED = 0.001, 0.5  # s
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
@@ -91,8 +92,8 @@ class ArclConnection:
 class LivePeer:
     """A connection with its session: the robot's lines, and whether the robot is alive.
 
-    timeout: the robot counts as gone if for so many seconds it sends no complete line, or accepts
-    no data. Single bytes without a line end are no sign of life.
+    timeout: s; the robot counts as gone if it sends no complete line, or accepts no data, for a
+    longer time. Single bytes without a line end are no sign of life.
 
     Its attributes are the times that show whether the robot is alive.
     """

@@ -25,11 +25,11 @@ from omron_arcl.drives import Drives, Overruled
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.replies import Reply
 
-_QUIET = 1.0  # s without a line after which an answer of unknown length is over
+_QUIET = 1.0  # s; without a line for so long, an answer of unknown length is over
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
 _LONGEST_ANSWER = 60.0  # s from sending a query or stop to its end, regardless of its lines
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
-_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one to save a stop
+_LONGEST_REPLACEMENT = 5.0  # s; a cancelled drive is stopped if no newer one replaces it by then
 
 
 class Dispatcher:
@@ -51,10 +51,10 @@ class Dispatcher:
               known_epoch: int = 0, number: int = 0) -> Execution:
         """Takes a command of `giver`, which knows `known_epoch`.
 
-        Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command until
-        it times out; None: the timeout of the kind of command. stop_on_timeout: stops a drive that
-        has timed out, unless a newer drive is under way. number: the giver numbers its commands in
-        ascending order.
+        Raises Busy, Overruled or Unclear. timeout: the command times out after so many s without
+        a line about it; None: the timeout of the kind of command. stop_on_timeout: stops a drive
+        that has timed out, unless a newer drive is under way. number: the number that the giver
+        gives the command (ascending).
         """
         self._check(command, giver, known_epoch, number)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
@@ -140,7 +140,7 @@ class Dispatcher:
     def _check_time(self, execution: Execution, now: float) -> None:
         spec, progress = execution.command.spec, execution.progress
         unheard, begun = now - progress.heard, self.records.has_begun(execution)
-        # a drive under way has no total limit, nor has a drive to the dock before it docks
+        # no total limit for a drive that has begun, or for a drive to the dock
         may_take_longer = spec.drives and (begun or spec.course is DriveCourse.INTO_THE_DOCK)
         if progress.rejected_at is not None:
             if now - progress.rejected_at > _DESCRIPTION_TIMEOUT:

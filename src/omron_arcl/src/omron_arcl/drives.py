@@ -63,7 +63,7 @@ Derived values and rules:
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
   refused after the robot has broken off a drive of another client, until the robot says more.
 - A stop is owed while its record is not OVER.
-- A stop is also owed after these events: a giver gave a newer drive and cancelled the older one
+- A stop is also owed after all these events: a giver gave a newer drive and cancelled the older one
   (`is_cancelled`), the newer drive was lost, and the robot carries out the older one.
 - While a drive that has begun is doubted because another client may have stopped the robot, no
   drive that names an epoch is sent.
@@ -300,7 +300,8 @@ class Drives:
     """The records of one robot. The caller holds one lock while it uses this object or sends.
 
     stored -- the memory that an earlier process stored
-    store -- saves the memory for a restart; called before the command that changes it is sent
+    store -- saves the memory for a restart; if a command changes it, it is saved before the command
+        is sent
 
     The class has many methods: there is one for each event, and all of them change the same
     records.
@@ -531,7 +532,7 @@ class Drives:
     def _end_doubt(self, execution: Execution, outcome: Outcome, now: float) -> None:
         """Removes the doubt about a command that has ended.
 
-        If the command is a stop that the robot did not answer, its answer is not expected any more.
+        If the command is an unanswered stop, no answer to it is expected any more.
         """
         under_way = self.record_of(execution)
         if execution.command.spec.stops and not self.has_begun(execution) and (
@@ -759,7 +760,7 @@ class Drives:
     def comes_earlier(self, drive: Execution) -> bool:
         """Returns whether a line that names the goal of `drive` may be about an earlier drive.
 
-        The earlier drive goes to the same goal and has ended for its giver. The robot has not
+        This is an earlier drive to the same goal that has ended for its giver. The robot has not
         answered it, or has not answered a stop that was sent between the two drives.
         """
         before, names = self._before(drive), set(names_of(drive.command))
@@ -770,7 +771,7 @@ class Drives:
             for r in before)
 
     def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
-        """Returns the drive with one of these names that the robot has to answer next.
+        """Returns the drive that the robot has to answer next, of those with one of these names.
 
         None: there is none, or the drive has not ended for its giver.
 
@@ -895,8 +896,8 @@ class Drives:
     def _is_to_be_stopped(self, activity: Activity) -> bool:
         """Returns whether a stop is owed for the motion that the robot shows.
 
-        The stop was given after a drive of ours that may be the cause of the motion, or after this
-        same motion of another client had begun.
+        This is so if the cause may be a drive of ours that was given before the stop. It is also so
+        if another client had begun this same motion before the stop.
         """
         newest = max((r.number for r in self._records if r.owed), default=0)
         return any(r.number < newest and (
@@ -926,7 +927,7 @@ class Drives:
     def _moves_strangely(self, ruling: DriveRecord, activity: Activity, text: str) -> bool:
         """Returns whether no known drive causes a motion.
 
-        If a drive of ours whose fate is unknown causes it, notes that the robot obeys that drive.
+        If the cause is a drive of ours with unknown fate, notes that the robot obeys that drive.
         """
         shown = self._shown_drive(activity)
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
@@ -1072,7 +1073,7 @@ class Drives:
                 self._executions[last.number] = execution
         else:
             self._add(RecordKind.STOP, giver, words, execution, command=command)
-        # the stop may end another giver's drive that is on its way, of which `giver` may not know
+        # a drive of another giver may be on its way: the stop may end it without `giver` knowing it
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
@@ -1080,8 +1081,8 @@ class Drives:
                  activity: Optional[Activity] = None) -> None:
         """Notes that others drive or stop the robot.
 
-        Unanswered drives may still reach the robot afterwards, and so may the stops for these
-        drives. Therefore their records are kept.
+        Unanswered drives, and the stops for these drives, may still reach the robot afterwards.
+        Therefore their records are kept.
         """
         to_come = [r for r in self._records if r.pending or self._has_to_answer(r)]
         self._records = (
@@ -1139,7 +1140,7 @@ class Drives:
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
 
     def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
-        """Returns the commands of these stops that are the last commands of their givers."""
+        """Returns those commands of these stops that are the last commands of their givers."""
         told = {(last.giver, last.number) for last in self._memory.last_commands}
         return tuple(command for stop in stops for command in stop.commands
                      if command in told)[:_KEPT_GIVERS]
@@ -1149,7 +1150,7 @@ class Drives:
                     if last.giver == giver.name), default=0)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
-        """Returns the changes of the epoch since `epoch` that `giver` did not cause.
+        """Returns those changes of the epoch since `epoch` that `giver` did not cause.
 
         None: `epoch` is not remembered any more.
         """

@@ -25,8 +25,8 @@ def digital_input(text: str, output: bool) -> replies.Input:
 
 
 def external_io_update(text: str) -> replies.ExternalIOUpdate:
-    """Reads `input <name> updated with 0x20 from 32`, `output <name> updated
-    with 1 at bit 32 to 0x80`.
+    """Reads `input <name> updated with 0x20 from 32`, or
+    `output <name> updated with 1 at bit 32 to 0x80`.
     """
     what, updated, _ = text.partition(' updated with ')
     side, _, name = what.partition(' ')

@@ -37,7 +37,7 @@ class StopOwed(NotConnected):
 
 
 class Busy(ArclError):
-    """The maximum number of commands (`limit`) has not ended. A stop never gets this error."""
+    """The maximum number of commands (`limit`) is under way. A stop never gets this error."""
 
     def __init__(self, limit: int, commands: str) -> None:
         self.limit = limit

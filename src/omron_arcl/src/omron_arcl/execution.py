@@ -47,7 +47,7 @@ class Result:
 @dataclass
 class CommandProgress:
     """The progress of a command since it was sent, as the queue and the attribution note it.
-    The command's record says whether the robot obeys the command, and any doubt; see `drives`.
+    The command's record says whether the robot obeys, and whether this is doubted; see `drives`.
 
     epoch -- the epoch in which the command was given
     sent_at -- when the command was sent
@@ -143,7 +143,7 @@ class Execution:
 
     @property
     def is_answered(self) -> bool:
-        """Whether the answer is not documented, and a line came that may be this answer."""
+        """Whether the command has no documented answer, and a line came that may be its answer."""
         return (self.command.spec.completed_by is None and self.progress.rejected_at is None
                 and self.progress.heard > self.progress.sent_at)
 

@@ -58,7 +58,7 @@ class RobotWords:
         self.shown: Optional[Activity] = None
         """The last activity of a status."""
         self.strange = False
-        """Whether the last status, which may be older than a line, showed a motion not of ours."""
+        """Whether the last status, which may be older than a line, showed a motion of others."""
         self.emergency = False
         """Whether the emergency stop is pressed, or the motors are still off after it."""
         self.moved = False
@@ -87,7 +87,7 @@ class RobotWords:
     def emergency_told(self) -> bool:
         """Whether the emergency stop is pressed according to the robot's words.
 
-        Until the robot has said something on this connection, its words on the last one count.
+        Until the robot speaks on this connection, its words on the last connection count.
         """
         return self.emergency or self._emergency_before and self.activity is None
 
@@ -152,7 +152,7 @@ class RobotWords:
             self.stops_itself = None
 
     def stop_sent(self, order: int) -> None:
-        """Notes that a stop is sent, as the command with this number in the order of sending."""
+        """Notes that a stop is sent. `order` is its number in the order of sending."""
         self._stops.append(order)
         self.unheard_stops += 1
 

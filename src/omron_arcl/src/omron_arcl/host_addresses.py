@@ -49,8 +49,8 @@ class HostAddresses:
     def belongs(self, address: str, since: float) -> Optional[bool]:
         """Returns whether `address` is an address of the host.
 
-        None: not known yet. A look-up that begins after `since` (s, monotonic) will show it;
-        `on_answer` is called at the end of this look-up.
+        None: no look-up that began after `since` (s, monotonic) has ended yet. `on_answer` is
+        called when one ends.
         """
         with self._change:
             if self._thread is None or self._answered >= since:

@@ -8,8 +8,8 @@ date, or be `Stopping` or `Stopped` for an instant (observed). No line distingui
 from a real end; only the duration of the contradiction does. So an activity that contradicts a
 command begins a doubt, and a doubt that lasts ends the command; see `drives`.
 
-The module consists of tables and pure functions. Before a drive is acknowledged, only those rows of
-JUDGEMENTS apply to it whose `begun` is not True.
+The module consists of tables and pure functions. Until a drive is acknowledged, the rows of
+JUDGEMENTS with `begun` True do not apply to it.
 """
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> 
 
 
 def acknowledges(execution: Execution, reply: Reply) -> bool:
-    """Returns whether a line, or a status in its form, shows that the robot obeys a drive."""
+    """Returns whether a line, or a status with the text of a line, acknowledges a drive."""
     return fits(execution.command.spec.acknowledged_by, execution, reply)
 
 

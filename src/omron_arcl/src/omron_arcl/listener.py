@@ -20,7 +20,7 @@ KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by defa
 RETRY = 1.0  # s between two attempts to listen on a port, or to accept a connection
 RIVALS = 3  # if so many live connections are replaced within RIVAL_TIME s, two robots compete
 RIVAL_TIME = 30.0
-_LIVELY = 1.0  # s after the last line during which a connection counts as alive
+_LIVELY = 1.0  # s; for so long after its last line, a connection counts as alive
 _RIVALRY = ('two robots, or two programs, connect from this address in turn: give each robot an '
             'address and a port of its own')
 _MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
@@ -42,7 +42,7 @@ class Listener(Transport):
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
     on_link(Link): the link changed. on_refused(str): a peer with this address was rejected, because
-    it is not the robot. timeout: seconds without a line after which the connection counts as dead.
+    it is not the robot. timeout: s; after a longer time without a line, the connection is dead.
 
     If live connections replace each other in turn, the reason of the connected link says so. If
     another program uses the port, the reason of the link says so, and the listener tries again

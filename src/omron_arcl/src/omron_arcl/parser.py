@@ -1,7 +1,7 @@
 """Turns a line of the robot into a reply, with one table.
 
-A row has a phrase, which is the beginning of a line, and a reader for the rest of the line. The
-first row with a matching phrase and a reader that raises no ValueError decides. Case is ignored.
+A row has a phrase, which is the beginning of a line, and a reader for the rest of the line. If the
+phrase does not match, or the reader raises ValueError, the next row is tried. Case is ignored.
 A line that matches no row is an UnknownLine. `parse_line` raises no exception for any line.
 """
 from __future__ import annotations

@@ -78,7 +78,7 @@ class Doubt:
     outcome -- how the command ends if the doubt lasts
     count -- how often an activity contradicted the command
     broken_off -- an unclear interruption was among the contradictions; see `drives`
-    is_certain -- after this interruption the robot said `Stopped`
+    is_certain -- the robot said `Stopped` after the unclear interruption
     """
 
     since: float
@@ -112,7 +112,7 @@ class DriveRecord:
     ending: CommandFate = CommandFate.NOT_OBEYED
     """How a drive that is OVER ended."""
     shown: str = ''
-    """For a drive of others: the motion that the robot showed, by which the drive is recognised.
+    """For a drive of others: the motion that the robot showed; the drive is recognised by it.
     For a stop: `DOCKED` and the dock, if the robot has shown after the stop that it is docked.
     """
     acknowledged_by: str = ''

@@ -247,7 +247,7 @@ class LapCompleted(Reply):
 
 
 class DockingState(Enum):
-    """The state of the robot between its path and its charging station."""
+    """Whether the robot is undocked, docks, is docked, or undocks."""
 
     UNDOCKED = 'Undocked'
     DOCKING = 'Docking'
@@ -269,7 +269,7 @@ class DockingStatus(Reply):
 
 @dataclass(frozen=True)
 class Localizing(Reply):
-    """The robot searches for its position (`done`: it has found it) at the given place."""
+    """The robot searches for its position at the given place; `done`: it has found the position."""
 
     done: bool
     text: str
@@ -358,7 +358,7 @@ class Motors(Reply):
 
 @dataclass(frozen=True)
 class Fault(Reply):
-    """A fault was raised, or has ended (`cleared`). The robot sends it at once, or in a list."""
+    """A fault was raised, or has ended (`cleared`). The line comes at once, or in a list."""
 
     kind: str
     name: str

@@ -56,9 +56,9 @@ from omron_arcl.replies import (
 from omron_arcl.secret import REDACTED, redact_passwords
 
 PROMPT_TIMEOUT = 1.0  # s of silence after which the password is sent without a prompt
-WELCOME_TIMEOUT = 1.0  # s of silence after the password, after which a status is requested
-HELP_TIMEOUT = 1.5  # s of silence in the help list, after which it counts as read
-LONGEST_HELP = 10.0  # s after the welcome, after which the help list counts as read
+WELCOME_TIMEOUT = 1.0  # s; if the robot is silent so long after the password, a status is requested
+HELP_TIMEOUT = 1.5  # s; after so long a silence in the help list, the list counts as read
+LONGEST_HELP = 10.0  # s; so long after the welcome, the help list counts as read
 _PROBE = b'oneLineStatus'
 _MAXIMUM_ENTRIES = 2000
 _MAXIMUM_WORDS = 150  # characters of the robot's words in the reason for a failed login
@@ -179,7 +179,7 @@ class Session:
         return list(self.read(data))
 
     def receive_eof(self) -> List[Event]:
-        """Returns the events when the peer closes the connection."""
+        """Notes that the peer has closed the connection; returns the events."""
         if self.state is SessionState.CLOSED:
             return []
         return [self._close(self._cause_of_eof())]

@@ -87,7 +87,7 @@ class SessionLog:
 
 
 def _is_session_log(path: str) -> bool:
-    """Returns whether the file looks like a session log. An empty file does."""
+    """Returns whether the file looks like a session log, or is empty."""
     with open(path, 'rb') as file:
         begin = file.readline(100)
     return not begin or _LINE.match(begin) is not None

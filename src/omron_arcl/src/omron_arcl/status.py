@@ -58,7 +58,7 @@ class StatusAssembler:
         self._expected: Optional[Set[str]] = None
 
     def add(self, reply: Reply, now: Any = None) -> Optional[OneLineStatus]:
-        """Adds a line. Returns a status if the line completes it, or begins the next status."""
+        """Adds a line. Returns a status if the line completes the status or begins the next one."""
         if isinstance(reply, OneLineStatus):
             self.located = now
             return reply

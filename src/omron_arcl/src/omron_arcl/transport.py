@@ -19,7 +19,7 @@ _Own = TypeVar('_Own', bound='Transport')
 
 
 class Waker:
-    """Ends a thread's wait in a selector from another thread."""
+    """Ends the wait of a thread in a selector; another thread calls `wake`."""
 
     def __init__(self) -> None:
         self.reader, self._writer = socket.socketpair()

@@ -1,4 +1,4 @@
-"""Computes, from a laser's hits in the map, the ranges that the laser measured.
+"""Computes the ranges that a laser measured. The input is the laser's hits in the map.
 
 No ROS; metres, radians. ARCL sends the hits of a scan in the map frame: the robot has already
 transformed them with its localization. The measured ranges follow from the hits and the pose of the

@@ -1,9 +1,9 @@
 """Estimates a robot's motion from its successive locations. No ROS; metres, radians, seconds.
 
-An ARCL robot sends the pose of its own localization two to ten times a second, and no wheel counts.
-The module assumes that the robot drove an arc between two locations. So its mean speed and turn
-rate are known, but not its present motion. The variances express this: they grow with the time
-between locations.
+An ARCL robot sends the pose of its own localization two to ten times a second, but it does not send
+the counts of its wheels. The module assumes that the robot drove an arc between two locations. So
+its mean speed and turn rate are known, but not its present motion. The variances express this: they
+grow with the time between locations.
 """
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class MeanMotion:
 
 
 class MotionMeter:
-    """Computes the motion at each location that follows another one."""
+    """Computes the mean motion from each location to the next."""
 
     def __init__(self) -> None:
         self._last: Optional[TimedPose] = None
@@ -57,8 +57,8 @@ class MotionMeter:
     def add(self, location: TimedPose) -> Optional[MeanMotion]:
         """Returns the motion since the previous location.
 
-        None: there was no location within the last MAX_GAP s, or the robot cannot have driven from
-        the previous location to this one and so was relocalized.
+        None: there was no location within the last MAX_GAP s, or the robot was relocalized, because
+        it cannot have driven from the previous location to this one.
         """
         last, self._last = self._last, location
         if last is None or not 0.0 < location.time - last.time <= MAX_GAP:

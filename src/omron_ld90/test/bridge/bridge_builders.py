@@ -205,7 +205,7 @@ class GraphRobot:
 
 
 class Bench:
-    """A follower that commands a robot, with a clock that the test moves on."""
+    """A follower that commands a robot. The test moves the clock."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
                  period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.RobotLink] = (),
@@ -326,7 +326,7 @@ class Bench:
             self._act(self.follower.tick(self.now))
 
     def restart(self, away: float = 0.0) -> None:
-        """Restarts the bridge's process after `away` s, in which the robot drives on."""
+        """Restarts the bridge's process after `away` s. The robot drives on meanwhile."""
         record = self.follower.record
         follower = self.follower
         end = self.now + away

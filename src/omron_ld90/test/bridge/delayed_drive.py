@@ -46,10 +46,10 @@ AnyRobot = Union[SpeakingRobot, SimulatedRobot]
 class DelayedDrive:
     """A route on which a person may stop the robot.
 
-    passed -- drives of the route that the bridge gave, or that the controller let through, although
-        this program knew of the person's stop
-    crossed -- whether a drive reached the robot after a person had stopped it with another client:
-        the drive was already on its way, so that no program could hold it back
+    passed -- drives of the route that passed a person's stop: the bridge gave them, or the
+        controller let them through, although this program knew of the stop
+    crossed -- whether a drive that was on its way reached the robot after a person's stop with
+        another client; no program could hold the drive back
     """
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,

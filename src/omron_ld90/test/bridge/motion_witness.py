@@ -35,7 +35,7 @@ GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links
 
 @dataclass(eq=False)
 class Word:
-    """A command that the controller took, or another client's that it noticed (`giver` None)."""
+    """A command that the controller took, or noticed from another client (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
@@ -58,7 +58,7 @@ OPEN_OUTCOMES = (Outcome.LOST, Outcome.TIMED_OUT)
 
 
 class WitnessedController(ModelledController):
-    """A controller that reports each command it takes, with the knowledge of its giver."""
+    """A controller that reports each command it takes, and what the command's giver knew."""
 
     on_given: Callable[[str, Giver, int], None]
     given: List[Execution]
@@ -106,15 +106,15 @@ class Witness(DelayedDrive):
         self.words: List[Word] = []
         # for each epoch, the last word when the epoch was published
         self.words_of_epoch: Dict[int, Word] = {}
-        # the published epochs, and those of other givers of which the bridge was not told yet
+        # the published epochs, and those epochs of other givers that the bridge does not know yet
         self._epochs: List[int] = []
         self._foreign: Set[int] = set()
         # the epoch in the bridge's reports when the bridge was told of an epoch of others
         self._overruled_in = 0
-        # the last word when a stop was sent: for each stop on its way, and the last that arrived
+        # the last word when a stop was sent: for each stop on its way, and the newest that arrived
         self._stops_sent: List[Word] = []
         self._stopped = NO_WORD
-        # words of other clients that stand before a stop which has not reached the robot yet
+        # words of other clients, before a stop that has not reached the robot yet
         self._before_stops: List[Word] = []
         self.broken: List[str] = []
         self.lines: List[str] = []  # drives that reached the robot from the controller
@@ -122,18 +122,18 @@ class Witness(DelayedDrive):
         self._taken: Counter[str] = Counter()    # number of drives with each text
         # number of these drives that reached the robot or were lost
         self._arrived: Counter[str] = Counter()
-        self._is_number = 0  # number of a person's last drive among the drives with its text
+        self._is_number = 0  # a person's last drive: its number among drives with its text
         self.given_at = -100.0
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
         # for each command text: when another client last gave it, or when a stall after it ended
         self._another_gave: Dict[str, float] = {}
-        # time when a drive of ours reached the robot, just after another client's drive to its goal
+        # when a drive of ours reached the robot just after another client's drive to the same goal
         self._mixed_up_at = -100.0
         self._stalls = 0.0  # time in s for which the link stalls after the robot's next line
         self._dialect = dialect
-        self.is_alone = True  # no other client, outage or person at the robot has acted
+        self.is_alone = True  # no other client or person at the robot has acted, no outage was
         # since this time a stop is owed and the robot can be reached
         self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
@@ -147,7 +147,7 @@ class Witness(DelayedDrive):
         self._is_ordered = False
         # the last word that the bridge knew when it gave a stop, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
-        self._known_to_stop: Optional[Word] = None  # this last word, for the stop that arrives now
+        self._known_to_stop: Optional[Word] = None  # the value for the stop that arrives now
         # drives of givers other than the bridge; and for each epoch, how many of these drives the
         # robot had answered when the epoch was published
         self._others_drives: List[Execution] = []
@@ -283,9 +283,9 @@ class Witness(DelayedDrive):
         super()._hear_motion(motion, generation)
 
     def _note_told(self, motion: RobotMotion) -> None:
-        """Notes that the bridge learns of an epoch, and so of all earlier epochs of others."""
+        """Notes that the bridge learns of an epoch, and with it of all earlier epochs of others."""
         memory, bridge = motion.memory, self.bridge
-        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # if it is, the next says why
+        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # the next epoch has the cause
             told = self._epochs[:self._epochs.index(memory.epoch) + 1]
             if bridge.robot.epoch and self._foreign.intersection(told):
                 self._overruled_in = bridge.vehicle.state.epoch
@@ -329,7 +329,7 @@ class Witness(DelayedDrive):
             self.is_alone = False
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
-                self._obeyed = None  # a lost drive cannot be told from this drive
+                self._obeyed = None  # a lost drive would look the same
             self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
@@ -342,7 +342,7 @@ class Witness(DelayedDrive):
         super().cut(link, seconds)
 
     def _forget_lost_drives(self) -> None:
-        """Marks lost drives as refused if the robot shows that it still obeys the giver before.
+        """Marks lost drives as refused if the robot shows that it still obeys the earlier giver.
 
         Three conditions must hold: the robot carries out, or has completed, the drive of that
         giver; no command has stopped it; no lost drive leads to the goal that the robot shows.
@@ -435,7 +435,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
 
     def _judge_answer(self, command: str, given_at: float, result: Result) -> None:
-        """Checks that the robot has carried out each command that succeeds after it was given."""
+        """Checks that the robot has carried out a successful command since it was given."""
         if result.outcome is Outcome.SUCCEEDED and not self._was_done(
                 command.split()[-1], given_at):
             self.broken.append(f'{self.now:.1f} "{command}" is answered by {result}, but the robot '
@@ -584,8 +584,8 @@ class Witness(DelayedDrive):
                            if record.pending and word.drives]
 
     def _is_shown(self, line: str) -> bool:
-        """Returns whether the next status shows what a lost line said. It does not if the robot has
-        replaced the drive since.
+        """Returns whether the next status shows what a lost line said. This is not so if the robot
+        has replaced the drive since.
         """
         return self.robot.status == line or (
             line == 'EStop pressed' and self.robot.status.startswith('EStop'))
@@ -638,7 +638,7 @@ class Witness(DelayedDrive):
             self._anothers = crosses  # otherwise the robot has refused the drive, and goes on
 
     def _note_obeyed(self, line: str) -> None:
-        """Notes which drive the robot carries out after it has received a line."""
+        """Notes which drive the robot carries out now that it has received a line."""
         given = next((e for e in self._given if e.sent and e.command.text == line), None)
         if given is not None:
             self._given.remove(given)
@@ -673,7 +673,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot drives on after {last}')
 
     def _watch_stop_of_bridge(self) -> None:
-        """Checks that the robot stands after a stop of the bridge, even after failed attempts."""
+        """Checks that the robot stands after a stop of the bridge, even if attempts have failed."""
         if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
                 or not self._can_be_reached
                 or self.robot.goal is None or self._came_later(*self._demanded)):
@@ -705,7 +705,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
 
     def _came_later(self, known: Word, drives: int) -> bool:
-        """Returns whether a drive was given that the bridge did not know of when it gave its stop.
+        """Returns whether the bridge gave its stop without knowledge of a drive that was given.
 
         Successive drives of one giver are one word, but the later one may have begun an epoch.
         Therefore the drives of others are also counted.

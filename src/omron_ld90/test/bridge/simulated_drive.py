@@ -121,7 +121,7 @@ class SimulatedDrive:
         self.run(lambda: self.now >= end, seconds + 1.0)
 
     def send(self, command: str, seconds: float = 300.0) -> None:
-        """Sends the robot somewhere without the bridge, and waits until it has arrived."""
+        """Drives the robot by a command, without the bridge, and waits until it has arrived."""
         heard = len(self.lines)
         self._client.receive(f'{command}\n'.encode())
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
@@ -158,7 +158,7 @@ class SimulatedDrive:
                 self.reports.append(self.follower.report())
 
     def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
-        """Returns the maximum distance (m) of the path, from sample `since` on, to the edges."""
+        """Returns the maximum distance (m) between the edges and the path after sample `since`."""
         curves = cKDTree(np.concatenate([self.graph.curve(edge).sample(0.01) for edge in edges]))
         return float(curves.query(self.path[since:])[0].max())
 

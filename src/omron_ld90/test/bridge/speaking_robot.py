@@ -21,7 +21,7 @@ class SpeakingRobot(GraphRobot):
     When it leaves its dock, it does not name its goal until it has undocked.
 
     interruption -- what it says about a drive that another command ends: the `name` of the goal,
-        the `coordinates`, the `status` before, or `nothing`
+        the `coordinates`, the previous `status`, or `nothing`
     """
 
     def __init__(self, graph: Graph, vertex: int, say: Callable[[str], None],

@@ -1,4 +1,4 @@
-"""From `foreign_epoch` alone, a bridge that missed epochs knows whether others acted."""
+"""`foreign_epoch` alone shows a bridge that missed epochs whether others acted."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""The place of a location on the graph, with the width and the tolerance of the bridge."""
+"""The place on the graph that belongs to a location, with corridor width and tolerance."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

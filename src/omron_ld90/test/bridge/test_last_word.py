@@ -1,4 +1,4 @@
-"""The last command of the bridge: each row of its table; it is never carried out twice."""
+"""The last command of the bridge: the rows of its table; no command is carried out twice."""
 from __future__ import annotations
 
 from random import Random

@@ -1,7 +1,7 @@
-"""A VDA 5050 vehicle passes the bench however late the messages on one way are.
+"""A VDA 5050 vehicle passes the bench even if all messages from one program to another are late.
 
-So no message is needed in time for the truth: if the bridge hears late what the adapter itself did
-at a node, the next order is driven nevertheless.
+Late messages cause no wrong report and no refusal. For example, if the bridge hears late what the
+adapter itself did at a node, the next order is driven nevertheless.
 """
 from __future__ import annotations
 

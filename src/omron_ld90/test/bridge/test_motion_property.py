@@ -1,6 +1,6 @@
 """Many givers drive and stop one robot; messages are lost, and programs are restarted.
 
-No giver drives the robot after a command that it does not know of, and no stop is forgotten.
+No giver drives the robot without knowledge of an earlier command, and no stop is forgotten.
 """
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well and self.world._controller.connected)
     @rule(act=st.sampled_from(IN_AN_OUTAGE))
     def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
-        """Lets the bridge stop the robot for its own reason before it hears of others' epoch."""
+        """Lets the bridge stop the robot for another reason before it hears of others' epoch."""
         self.order(0, 2, True)
         self.world.run(1.5)
         self.world.lose_motions(7.0)
@@ -209,7 +209,7 @@ class Robots(RuleBasedStateMachine):
     @rule(program=st.sampled_from(PROGRAMS), goal=GOALS, command=st.sampled_from(COMMANDS))
     def program_drives_before_the_robot_has_said_why_it_broke_off(
             self, program: str, goal: str, command: str) -> None:
-        """Lets another client break off a drive. The link holds back all lines except the first."""
+        """Lets another client break off a drive. The link holds back all lines after the first."""
         self.reads(program)
         self.give(program, f'goto {goal}', 0.0)
         self.world.run(1.0)

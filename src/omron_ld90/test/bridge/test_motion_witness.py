@@ -236,8 +236,8 @@ def test_it_is_found_that_a_stop_is_told_as_not_obeyed_although_the_robot_stands
 
 
 def test_a_stop_of_the_bridge_does_not_end_a_drive_that_the_robot_had_not_answered_in_its_epoch():
-    """The bridge learns that the robot obeys the bridge's drive after all, and gives a stop. Only
-    then does it learn that a person has given a drive meanwhile.
+    """The bridge learns that the robot obeys the bridge's drive after all, and gives a stop. Later
+    the bridge learns that a person has given a drive before the stop.
     """
     robots = SimulatedRobots()
     robots.begin('rolling', 'interrupted name', Delays(commands=1.0, motions=1.0, to_robot=0.2))

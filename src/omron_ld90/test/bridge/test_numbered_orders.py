@@ -52,7 +52,7 @@ class Fleet(Bench):
         self.run(lambda bench: bench.follower.report().pose.edge == edge)
 
     def started_anew(self, is_sure: bool) -> None:
-        """Restarts the bridge, with a memory that is sure or not."""
+        """Restarts the bridge. is_sure -- its memory certainly contains the last order."""
         record, dead = self.follower.record, self.follower
         self.robot.number = None
         self.follower = RouteFollower(dead.settings, dead.graph, tuple(self.link_is_up), self.draw,
@@ -120,7 +120,7 @@ def test_an_order_that_crosses_what_its_master_did_itself_is_driven(is_late, mon
             fleet.send(5, first=1)
     fleet.master_acts('fleet')
     for give in gives:
-        fleet.give(give)  # the controller refuses it, because it names the epoch before
+        fleet.give(give)  # the controller refuses it, because it names the previous epoch
     if not is_late:
         fleet.send(5, first=1, epoch=epoch)
     fleet.run()
@@ -149,7 +149,7 @@ def test_the_next_route_begins_where_its_master_has_brought_the_robot_itself():
 
 
 def test_each_edge_on_which_a_stopped_robot_rolls_on_is_reported_at_once():
-    """Else the master would not know which vertices it has passed."""
+    """Otherwise the master would not know which vertices the robot has passed."""
     fleet = Fleet(strategy='rolling')
     fleet.send(1, 5, 6)
     fleet.send(first=0)
@@ -476,7 +476,7 @@ class WatchedFleet(Fleet):
         return 'dock' if vertex == DOCK_VERTEX else str(vertex)
 
     def way(self, edges: Sequence[int], turns: Sequence[int]) -> Tuple[int, ...]:
-        """Returns these edges and further ones; without edges, some from the robot's place."""
+        """Returns these edges and further ones; without edges, a path from the robot's place."""
         graph, found = self.follower.graph, list(edges)
         for turn in turns:
             if found:

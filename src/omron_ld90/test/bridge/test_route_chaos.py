@@ -126,7 +126,7 @@ def check_states(report: RouteReport) -> None:
 
 
 def check_change(before: RouteReport, after: RouteReport) -> None:
-    """Checks that within a route a complete edge stays complete, and a failed edge failed."""
+    """Checks that each complete or failed edge of a route keeps this state."""
     if after.route_id == before.route_id and after.edges == before.edges:
         assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)
         if EdgeState.FAILED in before.states:

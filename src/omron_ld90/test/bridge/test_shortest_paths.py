@@ -16,7 +16,7 @@ MARGIN = 0.9
 
 
 def is_the_free_way(graph, edges, arc, corridor_width, tolerance):
-    """Returns whether the robot would by itself drive along all edges."""
+    """Returns whether the robot's own path follows all edges."""
     return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
                for count in range(1, len(edges) + 1))
 
@@ -94,7 +94,7 @@ def grids(draw):
 
 
 def simple_ways(graph: Graph, start: int, end: int) -> dict:
-    """Returns the length of each simple path by its edges; the search is slow, but certain."""
+    """Returns {edges of a simple path: its length}, for all paths. The search is slow, but sure."""
     ways, stack = {}, [(start, (), 0.0, {start})]
     while stack:
         at, edges, length, seen = stack.pop()

@@ -52,7 +52,7 @@ def _file(name: str) -> Mapping[str, Any]:
 
 @dataclass(frozen=True)
 class VdaDelays(Delays):
-    """Seconds that a message takes on each way; the adapter's besides those of the bridge."""
+    """Delays (s) of messages: those of the base class, and those to and from the adapter."""
 
     orders: float = 0.0   # adapter -> bridge
     reports: float = 0.0  # bridge -> adapter
@@ -190,7 +190,7 @@ class VdaStack(DelayedDrive):
 
 
 class VirtualMaster(BenchMaster):
-    """The bench's master, without a broker, in the time of a stack."""
+    """The bench's master, without a broker, with the clock of a stack."""
 
     def __init__(self, stack: VdaStack) -> None:
         self._stack = stack

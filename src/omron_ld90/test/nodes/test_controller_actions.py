@@ -255,7 +255,7 @@ def test_only_a_stop_is_taken_whatever_was_cancelled_before(bench, command, stop
 
 
 def test_an_empty_result_is_no_outcome():
-    """Once, a goal that was recalled before its start had the outcome 0, then meaning SUCCEEDED."""
+    """Once, a goal that was recalled before its start had the outcome 0, which meant SUCCEEDED."""
     assert ExecuteCommandResult().outcome == ExecuteCommandResult.NONE
     assert ExecuteCommandResult.NONE not in _OUTCOMES.values()
 

@@ -296,7 +296,7 @@ def test_another_robot_name_moves_every_node():
     assert {name.split('/')[1] for name in nodes} == {'robot7'}
 
 
-#: For each program, the topics of RViz's tools to which it subscribes.
+#: For each program, those topics of RViz's tools to which it subscribes.
 TOOLS = {
     'omron_controller': ('move_base_simple/goal', 'initialpose'), 'goal_sender': ('clicked_point',),
     'route_visualisation': ('move_base_simple/goal',), 'vda5050_vehicle': ('initialpose',),

@@ -22,7 +22,7 @@ class BridgeMemory:
 
     vehicle: VehicleState
     target: Optional[int] = None  # index of the edge to whose end the robot was sent
-    number: int = 0          # of the command for this; 0: the command was not given yet
+    number: int = 0          # number of the command that sent it there; 0: not given yet
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the controller's last epoch that the bridge knew
     foreign_epoch: int = 0   # the newest known epoch that the bridge did not begin
@@ -46,7 +46,7 @@ class RobotSeen:
 
 @dataclass(frozen=True)
 class CommandEnded:
-    """A command that was given by `Give` has ended. `text` has words of robot or controller."""
+    """A command that `Give` requested has ended. `text` has words of robot or controller."""
 
     number: int
     ending: Outcome
@@ -69,8 +69,8 @@ class MotionTold:
     giver -- the node that drove or stopped the robot last; empty: no node, or it is unknown
     previous_epoch -- the epoch before this one; 0: none is known
     emergency_stop -- the emergency stop is pressed, or the motors are off after it
-    number -- of the last command of the bridge that the controller has; 0: none is known
-    fate -- of this command; None: none is known
+    number -- the number of the last command of the bridge that the controller has; 0: unknown
+    fate -- the fate of this command; None: unknown
 
     The attributes are fields of the message `Motion`.
     """

@@ -8,8 +8,8 @@
     lost           `motion` shows FAILED                       failed
     lost           `motion` shows NOT_OBEYED                   under way: it is given again
 
-Invariants: only the last command counts; a new command replaces all that is known about the command
-before. A drive is given again only if the robot does not carry it out; see `last_word`.
+Invariants: only the last command counts; a new command replaces all that is known about earlier
+ones. A drive is given again only if the robot does not carry it out; see `last_word`.
 """
 from __future__ import annotations
 
@@ -94,8 +94,8 @@ class GoalTracker:
         self._judge(now)
 
     def stop(self, epoch: int) -> None:
-        """Gives a stop as soon as the robot can be reached. The stop ends no drive of another giver
-        that began after `epoch`; 0: it ends any drive.
+        """Gives a stop as soon as the robot can be reached. The stop does not end a drive that
+        another giver began after `epoch`; 0: it ends any drive.
         """
         self._begin(None, LastWord(STOP, epoch))
 
@@ -148,7 +148,7 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
                 ) -> None:
-        """Takes a location (m). A location of the moving robot is older than the arrival."""
+        """Takes a location (m). A location with a status of motion is older than the arrival."""
         stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place

@@ -15,7 +15,7 @@ DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outsi
 
 @dataclass(frozen=True)
 class GraphLocation:
-    """A location (m) on a graph. Corridor width and tolerance (m) decide what the location is on.
+    """A location (m) on a graph. `corridor_width` and `vertex_tolerance` are in m.
     """
 
     graph: Graph
@@ -71,7 +71,7 @@ class GraphLocation:
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
         """Returns the index of the nearest edge whose corridor contains this location.
 
-        Of equally near edges it returns the first. None: no corridor contains the location.
+        If several edges are equally near, returns the first. None: the location is in no corridor.
         """
         distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
         if not distances or min(distances) > self.corridor_width / 2.0:

@@ -10,8 +10,8 @@ the fate: it contains the number and the fate of our last command that the contr
     | the command was never sent; or    | the command is given again, unless it is a stop whose    |
     | the answer to a stop is lost      | number `motion` has shown                                |
     | lost; `motion` has an older       | the command is given again, because the controller never |
-    | number                            | had it; if the controller has answered, it is not given  |
-    |                                   | again, but `motion` will show its fate                   |
+    | number                            | had it; but if an answer has come that counts as lost,   |
+    |                                   | `motion` will show the fate of the command               |
     | lost; `motion` has a newer number | this program had forgotten the newer command, and        |
     |                                   | decides anew where to drive                              |
     | lost; `motion` has NOT_OBEYED     | the drive is given again: the robot does not carry it out|

@@ -25,7 +25,7 @@ class RobotMonitor:
                  number: int = 0, master: Callable[[], str] = lambda: '') -> None:
         """links -- the links that must be up before the robot can be driven
 
-        number -- not smaller than the number of any command that was given before
+        number -- at least as great as the number of each earlier command
         master -- returns the name of the master whose orders count; empty: there is none
         """
         self.location = RobotLocation()
@@ -53,7 +53,7 @@ class RobotMonitor:
         self._master = master
         self._is_unexplained = False  # the robot broke off a drive; the next epoch has the cause
         self._taken_over: Optional[TakenOver] = None
-        self._number = number  # of the last command
+        self._number = number  # number of the last command
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
             p.MotionTold: self._on_motion, p.LinkReported: self._on_link,
@@ -62,8 +62,8 @@ class RobotMonitor:
     # --- our commands ----------------------------------------------------------------------------
 
     def stop(self, epoch: int) -> None:
-        """Gives a stop as soon as the robot can be reached. The stop ends no drive of another giver
-        that began after `epoch`; 0: it ends any drive.
+        """Gives a stop as soon as the robot can be reached. The stop does not end a drive that
+        another giver began after `epoch`; 0: it ends any drive.
         """
         self.tracker.stop(epoch)
 
@@ -78,7 +78,7 @@ class RobotMonitor:
 
     def route_extended(self) -> None:
         """Notes that a complete route gets longer. If another giver has driven the robot since the
-        end of the route, this does not count as a take-over.
+        route ended, that drive does not count as a take-over.
         """
         self._taken_over = None
 
@@ -96,7 +96,7 @@ class RobotMonitor:
         return [word.give(self._number, self.epoch)]
 
     def resume(self, epoch: int, foreign_epoch: int, number: int) -> None:
-        """Takes the epochs and the last number from before a restart of this program."""
+        """Takes the epochs and the number that the program had before its restart."""
         self.epoch, self.foreign_epoch = epoch, foreign_epoch
         self._number = max(number, self._number)
 
@@ -201,11 +201,11 @@ class RobotMonitor:
             self._judge_foreign_epoch(known, event)
 
     def _is_of_master(self, event: p.MotionTold) -> bool:
-        """Returns whether a command of the master itself began this epoch. The master decides its
-        later orders after that command.
+        """Returns whether a command of the master itself began this epoch. If so, the later orders
+        of the master are given after this command.
 
-        The answer is no if the command ended a drive of ours that the controller had, or if there
-        may have been epochs between this one and the last one that is known here.
+        Returns False if the command ended a drive of ours that the controller had. Also returns
+        False if there may have been epochs between this one and the last one known here.
         """
         word = self.tracker.word
         had_our_drive = self.tracker.goal is not None and 0 < word.number <= event.number
@@ -216,13 +216,14 @@ class RobotMonitor:
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
         """Notes whether another giver, another client or the robot itself acted after the `known`
-        epoch. Before the epoch of the event there may have been others, of which no message came.
+        epoch. Between this epoch and that of the event, there may have been epochs of which no
+        message came.
         """
         before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
         if not known or self.foreign_epoch == before:
             return
         cause, reason = event.cause, event.reason
-        if self.foreign_epoch != event.epoch:  # it began before this one, and its cause is unknown
+        if self.foreign_epoch != event.epoch:  # it began earlier; its cause is unknown
             cause, reason = EpochCause.OTHER_GIVER, 'an epoch that was not told here'
         if cause is not EpochCause.EMERGENCY_STOP:
             self._taken_over = TakenOver(f'Another giver came first: {reason}.')

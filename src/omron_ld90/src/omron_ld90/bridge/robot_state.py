@@ -14,7 +14,7 @@ from route_protocol.values import NO_REASON, Reason, ReasonCode
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: if a stamp is older by more than this, the clock was set back
 USUAL_PERIOD = 0.5              # s between two statuses of the robot, until the period is measured
-NODE_SILENCE = 2.0              # s without a report after which a node is away; 1 s is usual
+NODE_SILENCE = 2.0              # s; a node without a report for so long is away; 1 s is usual
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class RobotLocation:
         """Time between the last two locations, s."""
 
     def update(self, location: MapLocation, now: float) -> bool:
-        """Takes a location. Returns False if the location came late or twice, and ignores it."""
+        """Takes a location. Ignores a location that came late or twice, and then returns False."""
         if self.last is not None:
             step = location.stamp - self.last.stamp
             if -CLOCK_SET_BACK < step <= 0:

@@ -104,7 +104,7 @@ class RouteFollower:
                                   lambda: self.vehicle.state.master or '')
         self.route: Optional[RouteRun] = None
         """The driving of the vehicle's present or last route; None: no such route on this graph."""
-        # the record of a route to continue, and the time at which to give that up
+        # the record of a route to continue, and the time after which it is given up
         self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
         self.orders = Intake(self.vehicle, self._begin_route, self._report_refusal,
                              settings.location_timeout)
@@ -322,7 +322,7 @@ class RouteFollower:
             check_braking(due, self.vehicle.state, route, self._now)
 
     def _run(self, current: int, now: float) -> RouteRun:
-        """Returns an object that drives the vehicle's route from the edge with this index on."""
+        """Returns an object that drives the vehicle's route, beginning with the edge `current`."""
         dock = () if self.settings.dock_vertex is None else (self.settings.dock_vertex,)
         here = self._here
         progress = RouteProgress(here.graph, self.vehicle.state.edges,
@@ -394,7 +394,7 @@ class RouteFollower:
         if self._restored is None:
             return
         record, give_up = self._restored
-        if self.running and self.robot.overruled is not None:  # it must not be forgotten again
+        if self.running and self.robot.overruled is not None:  # a giver has acted: it ends
             self._restored = None
             self.robot.check_giver()
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)

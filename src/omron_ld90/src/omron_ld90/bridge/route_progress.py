@@ -12,7 +12,7 @@ from trajectory_graph import Curve, Graph, Vertex
 
 Point = Tuple[float, float]
 
-SLACK = 0.5  # m along the curve that the robot may advance in addition to twice its movement
+SLACK = 0.5  # m; along its curve a robot may advance by this and twice its movement
 MOST = 99.9  # per cent, the maximum on an edge that is not complete
 
 
@@ -24,7 +24,7 @@ class RouteProgress:
         """Begins on `edges[current]`, at the point of the edge that is nearest to `place`.
 
         tolerance -- m, distance to a vertex within which the robot passes the vertex
-        by_word   -- vertices (the dock) that are passed only when the robot reports it; see
+        by_word   -- vertices (the dock) that are passed only after the robot has reported it; see
                      `complete_current`
         """
         self.graph = graph

@@ -17,12 +17,12 @@ from route_protocol.values import Reason, ReasonCode
 
 def continued_route(record: BridgeMemory, here: GraphLocation,
                     run: Callable[[int], RouteRun], now: float) -> Optional[RouteRun]:
-    """Returns the continued route of `record`. None: the route had ended, on another graph.
+    """Returns the continued route of `record`. None: the route had ended, and the graph is another.
 
     If the route had ended on this graph, only the position on it is restored. Raises RouteFailed if
     a running route cannot continue.
 
-    run -- makes the route from the index of its current edge
+    run -- makes the route; its argument is the index of the current edge
     """
     state = record.vehicle
     try:

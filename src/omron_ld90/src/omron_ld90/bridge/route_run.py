@@ -113,7 +113,7 @@ class RouteRun:
         """Returns whether the robot can stop within this number of edges; the current edge is the
         first of them.
 
-        It can if its target is on these edges, or if the end of these edges is far enough away.
+        This is so if its target is on these edges, or if the end of the edges is far enough away.
         """
         last = self.progress.current + edges - 1
         if self.target is not None and self.target <= last:

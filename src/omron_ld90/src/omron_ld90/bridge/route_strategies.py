@@ -38,11 +38,10 @@ class StrategyContext:
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """Returns the farthest index, from `first` on, for which the robot's own path to the end of
-        that edge follows the route.
+        """Returns the index of the farthest edge to whose end the robot's own path is the route.
 
-        The search goes on from an index only if the index is `wanted`, and never beyond the next
-        stop.
+        The search begins with the edge `first`. It goes beyond an edge only if the index of the
+        edge is `wanted`, and never beyond the next stop.
         """
         progress, index = self.progress, first
         while (index < progress.next_stop and wanted(index) and follows_on(
@@ -73,7 +72,7 @@ def direct(context: StrategyContext) -> int:
 
 
 def rolling(context: StrategyContext) -> int:
-    """Sends the next goal before the robot brakes, if its path there passes the present goal."""
+    """Sends the next goal before the robot brakes, if the path to it passes the present goal."""
     progress = context.progress
     first = (progress.current if context.target is None or context.target_is_behind
              else context.target)

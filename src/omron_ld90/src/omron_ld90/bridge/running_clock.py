@@ -1,7 +1,7 @@
 """A clock that stops while this process is suspended.
 
-If a process is suspended, or gets no processor time for seconds, messages arrive that it cannot
-read. So no timeout may count this time.
+While a process is suspended, or gets no processor time for seconds, it cannot read the messages
+that arrive. So no timeout may count this time.
 """
 from __future__ import annotations
 

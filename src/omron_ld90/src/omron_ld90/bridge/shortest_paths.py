@@ -43,10 +43,10 @@ def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
     """Returns how far (m) the shortest path from edge `first` to edge `second` stays away from the
     vertex between them.
 
-    The robot's centre may be `slack` m off the curves. Of all points within `slack` of both curves,
-    the inner corner of the path is the one that is farthest from the vertex. At a right angle, its
-    distance is 1.4 times the slack. At a cusp it is very large, because the robot need not drive to
-    the vertex at all.
+    The robot's centre may be `slack` m off the curves. The path stays away farthest if it passes
+    the inner corner: the point farthest from the vertex that is within `slack` of both curves. At a
+    right angle, its distance is 1.4 times the slack. At a cusp it is very large, because the robot
+    need not drive to the vertex at all.
     """
     known = _cuts.setdefault(graph, {})
     corner = (first, second, slack)

@@ -118,7 +118,7 @@ class CommandActions:
         handle.set_accepted()
 
     def _adopt_drive(self, handle: actionlib.ServerGoalHandle, drive: Optional[Execution]) -> bool:
-        """Gives a goal the `drive` of an earlier goal. Returns False if no earlier goal has it."""
+        """Gives a goal the `drive` of an earlier goal. Returns False if there is no such goal."""
         goal_id = handle.get_goal_id().id
         with self._lock:
             earlier = next((id for id, goal in self._running.items()
@@ -196,13 +196,13 @@ class CommandActions:
         raise NotImplementedError
 
     def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
-        """Takes the end of a goal. By default it is ignored.
+        """Takes the end of a goal. By default, nothing is done.
 
         reason -- why the goal failed; None: it did not fail
         """
 
 
 def _keep_results() -> None:
-    """Sets how many results may wait for a client to _RESULTS_QUEUED, instead of actionlib's 50."""
+    """Lets _RESULTS_QUEUED results wait for a client, instead of actionlib's 50."""
     if not rospy.has_param(_QUEUE_PARAMETER):
         rospy.set_param(_QUEUE_PARAMETER, _RESULTS_QUEUED)

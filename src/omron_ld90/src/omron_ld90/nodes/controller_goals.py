@@ -11,7 +11,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from omron_arcl import printable, readable
 from omron_map import MapDocument, MapError, wait_for_map
 
-_MAXIMUM_NAMES = 20  # listed in one message
+_MAXIMUM_NAMES = 20  # names in one message
 
 
 class GoalComparison:

@@ -77,7 +77,7 @@ class MotionFile:
                 replace_json(self._path, content)
             except OSError:
                 with suppress(OSError):
-                    os.unlink(self._path)  # the old file is out of date, and frees some space
+                    os.unlink(self._path)  # the file is out of date; this frees some space
                 replace_json(self._path, content)
         except OSError as error:
             self._kept = None

@@ -71,7 +71,7 @@ class MoveBaseServer(CommandActions):
                                     MoveBaseFeedback(base_position=pose)), optional=True)
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:
-        """Turns a pose that `giver` sent by a topic into a goal of the action."""
+        """Makes a goal of the action from a pose that `giver` sent by a topic."""
         goal = MoveBaseActionGoal()
         goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
         with self._lock:

@@ -6,7 +6,7 @@ import math
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
-JUMP = 1.5  # m between two locations: the robot cannot drive as far, so it was relocalized
+JUMP = 1.5  # m; a robot cannot drive so far between two locations: it was relocalized
 
 
 class DrivenPath:

@@ -87,7 +87,7 @@ class EdgesToVertices:
     """The node: see the module's text.
 
     One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for this
-    thread, so it needs no lock.
+    thread, so the follower needs no lock.
 
     The class has many attributes because it connects the parts of the node.
     """

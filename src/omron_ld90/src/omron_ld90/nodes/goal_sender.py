@@ -83,7 +83,7 @@ from omron_map import MapDocument
 TRANSFORM_TIMEOUT = 0.3  # s
 CHECK_PERIOD = 0.5  # s
 
-# The commands of the menu entries whose command does not depend on the goal.
+# The commands of those menu entries that do not depend on the goal.
 COMMANDS = {HandleAction.DOCK: 'dock', HandleAction.UNDOCK: 'undock', HandleAction.STOP: 'stop'}
 
 LOCALIZE = 'localizeToPoint'
@@ -292,7 +292,7 @@ class GoalSender:
     # Results
 
     def _on_line(self, number: int, line: str) -> None:
-        """Shows the robot's line when it sets out."""
+        """Shows the line with which the robot sets out."""
         with self._lock:
             given = self._given.get(number)
             if given and isinstance(parse_line(line), (replies.GoingTo, replies.GoingToPoint)):

@@ -67,7 +67,7 @@ from omron_map import (
 from rviz_drawing.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 
 POLL_PERIOD = 0.5  # s between two checks of the file
-MAX_WARNINGS = 10  # in the log, about one file
+MAX_WARNINGS = 10  # lines in the log about one file
 REFUSALS_TOLD = 60.0  # s between two log lines about refused clouds
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {

@@ -73,7 +73,7 @@ def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
 
 def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
                 height: float) -> PointCloud2:
-    """Returns the points of a scan in the map frame. `height` (m): of the laser above the floor."""
+    """Returns the points of a scan in the map frame. The laser is `height` m above the floor."""
     points = np.empty((len(reading.points), 3), '<f4')
     points[:, :2] = reading.points / MM_PER_M
     points[:, 2] = height

@@ -98,7 +98,7 @@ class RvizConfiguration:
         self._view.update(zip(('Scale', 'X', 'Y'), (round(value, 3) for value in view)))
 
     def fit_window(self, size: PixelSize) -> bool:
-        """Shrinks the window so that its view has this size. Returns whether it was larger."""
+        """Shrinks the window until its view has this size. Returns False if it was small enough."""
         window = self._root.get('Window Geometry')
         narrow = {name: pixels + frame for name, pixels, full, frame
                   in zip(('Width', 'Height'), size, FULL, FRAME) if pixels < full}

@@ -22,7 +22,7 @@ class Advice(Enum):
 
 
 class ReadyNotice:
-    """Says once that a click drives the robot, when a map is displayed and the robot is connected.
+    """Says once, when a map is displayed and the robot is connected, that a click drives the robot.
     """
 
     def __init__(self, robot: str, advice: Advice = Advice.COMMAND) -> None:

@@ -14,7 +14,7 @@ SHOWN_AFTER_THE_END = 15.0  # s
 
 
 class EdgeProgress(NamedTuple):
-    """An edge of a route, signed, and its state, an EdgeState."""
+    """A signed edge of a route, and its state (a constant of EdgeState)."""
 
     edge: int
     state: int
@@ -32,8 +32,8 @@ class RouteWatch:
         self._heard = -math.inf
 
     def update(self, route_id: int, states: Sequence[int], now: float) -> bool:
-        """Takes the state of every edge of a route. Returns False if this is only the refusal of a
-        route other than the running one.
+        """Takes the states of all edges of a route. Returns False if they only show that a route
+        was refused while another route runs.
         """
         failed = any(state == EdgeState.FAILED for state in states)
         if not failed and any(state != EdgeState.COMPLETE for state in states):
@@ -50,7 +50,7 @@ class RouteWatch:
 
 
 class RouteView:
-    """The route on display: the route that is driven, or for some time the last one."""
+    """The route on display: the route that is driven or, for some time after its end, the last."""
 
     def __init__(self) -> None:
         self.shown: Tuple[EdgeProgress, ...] = ()

@@ -28,7 +28,7 @@ def transform(x: float, y: float, yaw: float) -> Transform:
 
 
 def seen_from_map(odom: Pose, x: float, y: float) -> tuple[float, float]:
-    """Returns in the map the point (x, y) of the odometry frame. odom -- pose of this frame."""
+    """Returns the map coordinates of the point (x, y) in the frame whose pose is `odom`."""
     yaw = yaw_from_quaternion(odom.orientation)
     return (odom.position.x + x * math.cos(yaw) - y * math.sin(yaw),
             odom.position.y + x * math.sin(yaw) + y * math.cos(yaw))

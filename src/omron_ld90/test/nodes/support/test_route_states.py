@@ -1,4 +1,4 @@
-"""A route report read by numpy is the same as read by rospy; its length is limited."""
+"""numpy and rospy read the same from a route report; its length is limited."""
 from __future__ import annotations
 
 import io

@@ -43,7 +43,7 @@ LINE_WIDTH = 0.05
 SQUARE = (0.3, 0.3, 0.02)
 ARROW = (0.5, 0.07, 0.07)
 TEXT_HEIGHT = 0.3
-HANDLE, NAME_AWAY = 0.7, 0.5  # m: width of the handle on a goal; from its middle to the name
+HANDLE, NAME_AWAY = 0.7, 0.5  # m: width of a goal's handle; from its middle to the name
 AREA_HEIGHT = 0.01
 FENCE_WIDTH = 0.06
 LASER_SIZE = 0.04
@@ -99,7 +99,7 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
-    """Returns the robot's heading at docks, and at goals that have one: black arrows."""
+    """Returns a black arrow for the heading at each dock, and at each goal that has a heading."""
     arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:

@@ -24,7 +24,7 @@ GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner lines vanish on a small screen
 GRAPH_HEAD, ROUTE_HEAD = 0.25, 0.4  # m, arrowheads
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
-NAMED_WITHIN = 0.3  # m: the name of a goal this near to a vertex also serves the vertex
+NAMED_WITHIN = 0.3  # m: if a goal is this near to a vertex, the vertex shows no id of its own
 GRAPH = drawing.colour(0.74, 0.68, 1.0)
 
 COMPLETE = drawing.colour(0.25, 0.75, 0.35)
@@ -54,8 +54,8 @@ class GraphPicture:
     def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
         """Returns the edges as curves with an arrowhead to their end, and the vertices with ids.
 
-        A vertex has one ring, an end vertex two, the dock three. If the name of a goal or dock of
-        the map already shows the id at a vertex, the id is not drawn again.
+        A vertex has one ring, an end vertex has two, and the dock has three. If the name of a goal
+        or dock of the map already shows the id at a vertex, the id is not drawn again.
 
         named -- the positions (m) of the map's goals and docks by name
         """
@@ -114,7 +114,7 @@ class GraphPicture:
 
     def _edges(self, lines: str, heads: str, shapes: Sequence[_Shape], paint: ColorRGBA,
                width: float, number: int) -> List[Marker]:
-        """Returns two markers, with these namespaces, for many edges."""
+        """Returns a marker `lines` with many edges, and a marker `heads` with their arrowheads."""
         return [self._lines(lines, [shape.segments for shape in shapes], paint, width, number),
                 drawing.many(Marker.TRIANGLE_LIST, heads, number, paint, (1.0, 1.0, 1.0),
                              _joined(shape.head for shape in shapes), self._frame)]

@@ -1,7 +1,7 @@
 """Sentences for the person at the screen: on a topic, in the log, and as text in RViz.
 
-The text is at the goal that was clicked, or at the robot, because the person looks there. It is on
-a dark panel, so that it is readable, and within the map.
+The text is at the goal that was clicked, or at the robot, because the person looks there. The text
+is within the map, and a dark panel behind it makes it readable.
 """
 from __future__ import annotations
 

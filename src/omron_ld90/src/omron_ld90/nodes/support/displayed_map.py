@@ -20,8 +20,8 @@ STRANGERS_TOLD = 60.0  # s between two log lines about messages of other nodes
 class DisplayedMap:
     """Calls `on_map(document, path)` each time a map is displayed or loaded again.
 
-    `document` is None if no map is displayed, or if its file cannot be read. If it cannot be read,
-    `without` is written to the log, which says what is missing now. Only messages of the node
+    `document` is None if no map is displayed, or if its file cannot be read. `without` says what is
+    missing then; it is written to the log if the file cannot be read. Only messages of the node
     `map_visualisation` in the same namespace are accepted: with the path in its message, another
     publisher could make this node read and reveal any file. `on_map` runs in a thread of the
     subscriber, and must take its own locks.

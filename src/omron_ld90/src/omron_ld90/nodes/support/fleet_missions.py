@@ -1,4 +1,4 @@
-"""Turns clicks on a robot that a fleet manager manages into missions."""
+"""Makes missions from clicks that concern a robot of a fleet manager."""
 from __future__ import annotations
 
 from typing import Callable, Dict, Optional

@@ -20,8 +20,8 @@ from omron_arcl.replies import (
 )
 from omron_ld90.operator.localizing import LOW_SCORE
 
-LOW_CHARGE = 25.0  # %, at which by default the robot drives to its dock by itself
-EMPTY_CHARGE = 10.0  # %, at which the robot itself warns
+LOW_CHARGE = 25.0  # %; by default, the robot then drives to its dock by itself
+EMPTY_CHARGE = 10.0  # %; the robot itself then warns
 OLD = 10.0  # s after the last reply until /diagnostics reports that none comes
 
 
