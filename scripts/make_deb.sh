@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds packages of this workspace for the Debian that runs it, 12 or 13, and checks them with lintian.
+# Builds packages of this workspace for the running Debian (12 or 13), and checks them with lintian.
 #
 #   scripts/make_deb.sh            the packages are build/deb/*.deb
 #   scripts/make_deb.sh --try      then installs them in a bare system of the same Debian (build/deb/root) and drives a simulated

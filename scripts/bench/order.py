@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares three orders of late robots on shared places: fixed, planned anew every 5 s, switched.
+"""Compares three ways to order late robots on shared places: fixed, planned anew, and switched.
 
-Each order is a *rival*. Fleets that always have open missions are simulated in virtual time, with
-the same seeds for each rival. With the rival `no stalls` the order is fixed and robots never stall,
-so its result is the upper limit for all others. `--only SECTION` runs one fleet; `--seeds N` sets
-the number of seeds.
+Each way is a *rival*. Fleets that always have open missions are simulated in virtual time, with the
+same seeds for each rival. With the rival `no stalls` the order is fixed and robots never stall, so
+its result is the upper limit for all others. `--only SECTION` runs one fleet; `--seeds N` sets the
+number of seeds.
 """
 from __future__ import annotations
 

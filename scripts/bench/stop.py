@@ -125,7 +125,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
         while waiting and added < due:
             add(waiting.popleft())
             added += 1
-        added = max(added, int(due) - 100)  # half requests that were not opened are left out
+        added = max(added, int(due) - 100)  # catches up with at most 100 half requests
         for key, events in selector.select(0.005):
             half = key.fileobj
             assert isinstance(half, socket.socket)

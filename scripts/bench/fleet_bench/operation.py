@@ -36,9 +36,9 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 
 
 class Operation(Run):
-    """A run in which each robot gets a new goal when it has reached the goal before.
+    """A run in which each robot gets a new goal when it has reached its previous goal.
 
-    waiting -- number of further missions, for any robot, that are requested at the start
+    waiting -- number of further missions that are requested at the start, for any robot
     """
 
     def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int,

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""The floor of path_supervisor: receives the same reports, and answers those of one robot at once.
-"""
+"""The floor of path_supervisor: receives all reports, and answers each report of one robot."""
 from __future__ import annotations
 
 import sys

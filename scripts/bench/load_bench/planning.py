@@ -95,7 +95,7 @@ def planning() -> Iterator[Row]:
 
 
 def _all_at_once(doors: int) -> _Answer:
-    """Returns the plan if all robots get their destinations at once."""
+    """Returns a plan in which all robots get their destinations at once."""
     site = _Site(doors)
     site.plan()
     site.send(ROBOTS, True)

@@ -131,7 +131,7 @@ function showLists() {
   showAlarms(me);
 }
 
-// Shows the numbers of robots and missions. A click on a number opens the list of what the number counts.
+// Shows the numbers of robots and missions. A click on a number opens the list of the robots or missions that it counts.
 function showCounts() {
   const counts = me.role && entries.get('counts');
   const opens = { open: () => openTab('missions'), done: () => openTab('history') };

@@ -249,7 +249,7 @@ function drawFences(paint, colour) {
 const shownAreas = () => hasLayer('areas') ? Object.entries(entries.get('areas') || {}) : [];
 const edgesOf = ids => site.edges.filter(edge => ids.includes(edge[4]));
 
-// Draws one outline around all edges of each area: a broad line along the edges, whose inside is then removed.
+// Draws one outline around all edges of each area: a broad line along the edges; the inside of the line is then removed.
 function outlineAreas(paint, ratio, closed, colour) {
   const areas = shownAreas();
   if (!areas.length) return;
@@ -304,7 +304,7 @@ function drawAreas() {
   if (kept) [...areaLayer.children].find(one => one.dataset.key === kept)?.focus();
 }
 
-// Names of places choose first. A name without room is left out until the user zooms in.
+// The names of places are placed first. A name without room is left out until the user zooms in.
 function drawNames(paint, radius) {
   const places = new Places(size.width, size.height), texts = [], marks = marksAround();
   fixed = [];
@@ -398,8 +398,7 @@ function dropRobots(wanted) {
 }
 
 // A robot's label keeps its side while this side is free. It may cover vertices and other names, but no other robot. A
-// label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble
-// choose first, and are always shown.
+// label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble are placed first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
   coverControls(places);
@@ -466,7 +465,7 @@ export function robotWords(robot) {
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
 }
 
-// Returns why a robot does not work or drive; from its code if the words come from the robot.
+// Returns why a robot does not work or drive. If no translation of the reason is known, the text of the outage's code comes first.
 export function outageWords(robot) {
   const words = said(robot.waits_for), code = robot.outage;
   const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);

@@ -77,7 +77,7 @@ def _simulators(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSi
         _ld90_simulator(root, site, options, files)
         for entry in entries:
             if entry.robot.driver == LD90 and entry.is_simulated:
-                # so the controllers remember no robots of an earlier run
+                # so that the controllers remember no robots of an earlier run
                 ET.SubElement(root, 'param', name=f'{entry.name}/omron_controller/robot_id',
                               type='str', value='$(anon simulator)')
     if any(entry.robot.driver == AGV for entry in entries):

@@ -70,7 +70,7 @@ class StartOutput:
     def __init__(self) -> None:
         self.state = StartState.STARTING
         self._nodes = 0
-        self._traceback: List[str] = []  # the part, so far, of a traceback due to Ctrl-C
+        self._traceback: List[str] = []  # the lines so far of a traceback after Ctrl-C
 
     def end(self) -> None:
         """Notes that a person has ended the launch."""
@@ -157,7 +157,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     signals = PassedSignals(output)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signals.receive)
-    # In its own process group: otherwise it would get Ctrl-C from the terminal and from here.
+    # It has its own process group. Otherwise it would get Ctrl-C twice: from the terminal and from
+    # here.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],

@@ -190,7 +190,7 @@ def _copy_state(path: Path, into: IO[bytes]) -> None:
 
 
 def _write(archive: Path, contents: Contents) -> None:
-    """Writes the whole archive, or keeps the old one."""
+    """Writes the archive completely; if this fails, the old archive stays."""
     with tempfile.TemporaryFile() as whole:
         with tarfile.open(fileobj=whole, mode='w:gz') as target:
             for name, content in contents.items():
@@ -277,8 +277,7 @@ def _renew_journal(journal: Path, content: IO[bytes], said: IO[bytes]) -> None:
 
 
 def _put(place: Path, content: IO[bytes]) -> None:
-    """Puts a file in its place. Keeps the old file; if it is an SQLite file, its log is kept, too.
-    """
+    """Puts a file in its place. Keeps the old file, and also the log of an old SQLite file."""
     place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     kept = place.with_name(place.name + KEPT)
     for ending in ('-wal', '-shm'):

@@ -1,4 +1,4 @@
-"""Does work in the folders of other users with their rights, never with those of root.
+"""Does work in the folders of other users with their rights, never with the rights of root.
 
 A user can put a link into its own folder at any time. A program with the rights of root that works
 in this folder would read or write the file that the link names. A process with the rights of the

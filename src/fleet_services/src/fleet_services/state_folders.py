@@ -23,7 +23,7 @@ UNITS: Mapping[str, str] = {'graph_fleet_manager': MANAGER, 'fleet_page': PAGE}
 ROBOTS = 'omron_ld90'
 _ENDINGS = ('_route.json', '_motion.json')
 _LOCK = '.lock'
-#: Files of roscore: its process id.
+#: Files in which roscore stores its process id.
 _PROCESS_IDS = 'roscore-*.pid'
 _FOLDER, _FILE = 0o700, 0o600  # modes of the folders and files in the folder of a unit
 

@@ -52,7 +52,9 @@ class LiveState:
             self._oldest = self._gone.popitem(last=False)[1]
 
     def replace(self, prefix: str, values: Mapping[str, Any]) -> None:
-        """Replaces all entries whose keys begin with `prefix`. `values` has keys without it."""
+        """Replaces all entries whose keys begin with `prefix`. `values` has keys without the
+        prefix.
+        """
         for key in [key for key in self._entries
                     if key.startswith(prefix) and key[len(prefix):] not in values]:
             self.remove(key)

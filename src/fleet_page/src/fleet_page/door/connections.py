@@ -19,10 +19,10 @@ BACKLOG = 4096          # connections that wait in the kernel until they are acc
 LONGEST_HEAD = 16384    # bytes
 _AT_ONCE = 256          # new connections that are accepted before open connections are served
 _ADMITTED_AT_ONCE = 16  # the largest number of these connections that are let in
-_PAUSE = 0.2            # s in which none is accepted after the operating system had no more room
+_PAUSE = 0.2            # s without accepting, after the operating system had no connection left
 _TLS_HANDSHAKE = b'\x16'  # first byte of a record: its type; bytes 4 and 5: its length
 _ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
-_KEPT = 64             # bytes of the text before, which may have the beginning of the header's name
+_KEPT = 64             # last bytes that are searched again: a header's name may begin in them
 _REFUSED_ENCODING = (
     b'HTTP/1.1 415 Unsupported Media Type\r\nContent-Type: text/plain\r\nContent-Length: 37\r\n'
     b'Connection: close\r\n\r\nCompressed requests are not accepted.')

@@ -11,8 +11,9 @@ from fleet_page.core.acts import ActOutcome
 class Stops:
     """Stops the fleet in a thread of its own.
 
-    A request is served by a stop that begins after it. So any number of requests needs at most two
-    stops: the present stop and the next one. The next stop has the name of its first requester.
+    A request is served by a stop that begins after the request has come. So any number of requests
+    needs at most two stops: the present stop and the next one. The next stop has the name of its
+    first requester.
     """
 
     def __init__(self, stop: Callable[[str], ActOutcome]) -> None:

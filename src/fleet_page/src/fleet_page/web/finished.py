@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, Tuple
 from aiohttp import web
 
 MOST_KEPT = 8
-_COMPRESSED = 1000  # bytes from which an answer is compressed
+_COMPRESSED = 1000  # bytes; larger answers are compressed
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def is_for_ros(word: str) -> bool:
     """Returns whether a word of `mission run` is a remapping for ROS.
 
-    Such a word begins with `_`, with which no name of a template's parameter begins.
+    Such a word begins with `_`. The name of a template's parameter never begins with `_`.
     """
     return word.startswith('_') and ':=' in word
 
@@ -474,7 +474,8 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
-    """Fills in the new destinations, with a group as stops: only a stop can name a group."""
+    """Fills in the new destinations. If one is a group, all become stops: only a stop has a group.
+    """
     if any(isinstance(one, str) for one in destinations):
         message.stops = visits(destinations)
     else:

@@ -17,7 +17,7 @@ from file_replacement import replace_file
 
 
 def note(master_uri: str, service_uri: str) -> None:
-    """Stores the address (rosrpc://) of the stop service of the fleet manager at a ROS master.
+    """Stores the address (rosrpc://) of the stop service, by the URI of the ROS master.
 
     Raises OSError.
     """

@@ -31,8 +31,8 @@ class Checked:
 
 
 def clock_finding(offset: float, uncertainty: float) -> Checked:
-    """Returns the finding about a clock that is `offset` s ahead of this one, give or take
-    `uncertainty` s.
+    """Returns the finding about a clock that is `offset` s ahead of this computer's clock. The
+    error of `offset` is at most `uncertainty` s.
     """
     off = max(abs(offset) - uncertainty, 0.0)
     level = Grade.OK if off < CLOCK_NOTED else Grade.WARN if off < CLOCK_WRONG else Grade.WRONG
