@@ -16,7 +16,7 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 
 
 def prepare() -> None:
-    """Does work once in the host that each node would otherwise do in its own memory.
+    """Does once, in the host, the work that each node would otherwise do in its own memory.
 
     With the environment variable, a rospy node need not search all packages for its logging
     configuration. The other calls import modules or fill Python's caches, which saves 4 MB in each

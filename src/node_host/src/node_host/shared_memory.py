@@ -30,6 +30,6 @@ def fill_holes() -> None:
 
 
 def give_back() -> None:
-    """Gives the memory that the start of a program has used and freed back to the system."""
+    """Returns to the system the memory that the start of a program has used and freed."""
     gc.collect()
     _LIBC.malloc_trim(0)

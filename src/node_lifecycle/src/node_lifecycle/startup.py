@@ -41,8 +41,8 @@ def run(name: str, start: Callable[[], Any],
     If `start` raises ConfigurationError, `misconfigured` is called with the reason, so that a node
     can report the reason on its own topics; the result of `misconfigured` is kept alive, too. The
     watchdog watches the threads in the package of `start` and in `libraries`. A new ROS master gets
-    the parameters that `parameter` has read, and all private parameters. Exceptions are those that
-    the node itself has `written`.
+    the parameters that `parameter` has read, and all private parameters except those in `written`,
+    which the node itself writes.
     """
     init_node(name)
     KEPT.keep(rospy.get_name(), rospy.get_param(rospy.get_name(), {}),

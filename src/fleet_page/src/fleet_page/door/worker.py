@@ -22,7 +22,7 @@ CHECKED = 1.0          # s between two checks whether the session of an open str
 _RETRY = 1.0           # s
 _MOST_REPORTS = 1000   # stops that are kept for the page's process, at most
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
-_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # never added here: only the client's headers count
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # never added here: the client sends them
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)

@@ -55,7 +55,8 @@ class RandomMissions:
         self._left = parameter('~missions', 0, int) or -1
         self._lock = threading.Lock()
         self._places: Dict[int, List[int]] = {}
-        """The possible destinations in the connected part that contains an edge, by edge id."""
+        """By edge id: the possible destinations in the connected part of the graph with this edge.
+        """
         self._robots: List[int] = []
         """For each robot that could serve a mission, the edge on which it is."""
         self._open: Dict[int, _Sent] = {}
@@ -126,7 +127,8 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """Returns the possible destinations in the connected part that contains an edge, by edge id.
+    """Returns, by edge id, the possible destinations in the connected part of the graph with the
+    edge.
 
     Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
     have no entries.

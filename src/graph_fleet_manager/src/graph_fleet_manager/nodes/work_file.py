@@ -28,7 +28,7 @@ class WorkFile:
         self._warned: Set[str] = set()
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
-        """Returns the file's description of the work at a graph's site; None: the file is wrong.
+        """Returns the work at the site of a graph, as read from the file; None: the file is wrong.
 
         Warns of places that keep robots from their loads.
 
