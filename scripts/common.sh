@@ -269,8 +269,7 @@ provide_multimaster() {
   export PATH="$root/devel/bin:$PATH"  # if it is in PATH twice, catkin removes it, and then ROS's own master would be started
 }
 
-# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in
-# scripts/pins/NAME.txt, whose files must have the hashes in it; it is made again only if this list changes
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in scripts/pins/NAME.txt. Their files must have the hashes in this list. It is made again only if the list changes.
 virtual_environment() {
   local folder="$root/build/$1" pins="$root/scripts/pins/$1.txt" python="$2" options=() log="$root/build/pip.log"; shift 2
   if [ "${1:-}" = --system-site-packages ]; then options=("$1"); shift; fi

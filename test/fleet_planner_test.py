@@ -113,7 +113,7 @@ class FleetPlannerTest(unittest.TestCase):
         return list(told.edges)
 
     def report(self, at: int, left: Iterable[int] = ()) -> None:
-        """Reports for agv_1 the edge on which it is, and the rest of its route."""
+        """Sends a report of agv_1: the robot's edge, and the edges that are left of its route."""
         report = ExecutionRouteStates(
             route_id=1, edge_states=[EdgeState(edge, EdgeState.PROCESSING) for edge in left],
             symbolic_pose=SymbolicPose(at, 50.0))

@@ -94,7 +94,7 @@ EVERYBODYS = {'/rosout', '/rosout_agg', '/tf', '/tf_static', '/diagnostics', '/c
 
 
 class Wire(NamedTuple):
-    """A topic, with the type in each node that publishes it or subscribes to it."""
+    """A topic, with the message type in each of its publishers and subscribers."""
 
     name: str
     offered: Dict[str, str]

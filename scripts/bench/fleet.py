@@ -168,7 +168,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Makes our first plan, within a second. Returns the checker's judgement of it."""
+    """Makes our first plan, within a second. Returns the checker's judgement of the plan."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()

@@ -116,7 +116,9 @@ def length(graph: Graph) -> float:
 
 
 def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
-    """Returns a mask of the floor that the graph reaches at half a robot's width from walls."""
+    """Returns the mask of the floor that is connected to the graph and half a robot's width from
+    walls.
+    """
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 

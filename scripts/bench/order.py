@@ -84,7 +84,7 @@ RIVALS: Dict[str, Callable[[StudiedSite], StudiedSite]] = {
 
 
 def waiting(run: Figures) -> float:
-    """Returns the share (0..1) of the robots' time for which they wait."""
+    """Returns the share (0..1) of the robots' time in which they wait."""
     return run.use[Use.WAITING] / sum(run.use.values())
 
 

@@ -10,7 +10,8 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 
 
 def main() -> None:
-    """Runs the node. The arguments are names of robots; the reports of the first one are answered.
+    """Runs the node. The arguments are names of robots; the reports of the first robot are
+    answered.
     """
     rospy.init_node('bare_subscriber')
     first, *others = rospy.myargv(sys.argv)[1:]

@@ -21,9 +21,9 @@ let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', pas
 let isFree = false; // whether the user has moved the view; it then stays when the window changes
 let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and their names; the boxes of the words of resources
-let areaSigns = []; // the boxes of the areas' names: a robot's label covers one only if there is no other place
+let areaSigns = []; // the boxes of the areas' names: a robot's label covers such a name only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
-let shownMarks = ''; // the marks around vertices, of which the vertices' names keep clear
+let shownMarks = ''; // the marks around vertices, which the names of the vertices avoid
 
 const hidden = { 'aria-hidden': 'true' };
 const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });

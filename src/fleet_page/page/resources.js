@@ -21,7 +21,7 @@ export function drawResources(view) {
   return placeTexts(texts, view);
 }
 
-// Returns the places of a station or group if a mission may name it; none for a station whose places are not equal.
+// Returns the places of a station or group if a mission may name it; empty for a station with places that are not equal.
 export function stationPlaces(name) {
   const station = entries.get(`resource:${name}`);
   return station && station.kind === 'STATION' && (station.is_group || station.vertices.length === 1) ? station.vertices : [];

@@ -122,8 +122,8 @@ def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
-    """Returns the files in which the fleet manager keeps data; empty for real robots, for which it
-    uses its default files.
+    """Returns the files in which the fleet manager keeps data; empty for real robots: the fleet
+    manager then uses its default files.
     """
     return {name: files[key] for name, key in (
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}

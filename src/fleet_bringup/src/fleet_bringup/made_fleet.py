@@ -37,7 +37,8 @@ def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
     """Returns vertices, without docks, on which robots of the largest type may all stand for ever.
 
-    The search ends when it has found `enough` vertices. The result has fewer if there are no more.
+    The search ends when it has found `enough` vertices. The result has fewer vertices if the graph
+    has no more.
     """
     largest = max(types, key=lambda kind: kind.reach)
     network = RoadNetwork(graph)

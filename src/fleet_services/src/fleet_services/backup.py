@@ -145,8 +145,8 @@ def _services(home: Path) -> List[int]:
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """Returns the user with whose rights a folder of state is used: the owner of ROS_HOME, or the
-    owner of the folder if root owns ROS_HOME.
+    """Returns the user whose rights are used for work in a folder of state: the owner of ROS_HOME,
+    or, if root owns ROS_HOME, the owner of the folder.
 
     A user that owns ROS_HOME may have put a link in place of the folder.
     """

@@ -58,7 +58,7 @@ def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected
 
 
 class Publisher:
-    """Keeps the published messages; these nodes subscribe to it."""
+    """A topic that keeps the published messages; the given nodes subscribe to it."""
 
     def __init__(self, *subscribers: str) -> None:
         self.sent: List[Any] = []

@@ -4,7 +4,8 @@
   again after 1, 3, 7 and 15 s. So a latched message may come that late.
 - A subscriber may be told of a publisher twice, for example when another publisher of the topic
   appears. It then makes two connections at once. Each side drops the connection that it considers
-  older. If the two sides drop different ones, no connection is left, and rospy makes no new one.
+  older. If the two sides drop different connections, no connection is left, and rospy makes no new
+  one.
 - A node's server reads the headers of connections one after the other, without a time limit. All
   other clients are blocked by a client that sends no header, or that sends an XML-RPC call for an
   earlier node on this port.

@@ -53,7 +53,7 @@ class Label:
 
 
 class LabelPlaces:
-    """Remembers the side of each robot on which its label is drawn."""
+    """Remembers for each robot the side on which its label is drawn."""
 
     def __init__(self) -> None:
         self._sides: Dict[str, int] = {}

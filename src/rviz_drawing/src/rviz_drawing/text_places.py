@@ -51,7 +51,7 @@ class TextPlaces:
         self._places = Places()
 
     def middle(self, key: Key) -> Optional[Point]:
-        """Returns the middle of a text (m); None if there is no free place for it."""
+        """Returns the middle of a text (m); None: there is no free place for the text."""
         return self._middles[key]
 
     def show(self, texts: Mapping[Key, VertexText]) -> None:

@@ -1,7 +1,7 @@
 """The limits on connections before a login: which connections are let in, and which are ended.
 
-A connection counts while it waits for a request, or is served without a login. While it carries out
-a request of a known person, it does not count and is not ended.
+A connection counts while it waits for a request, or is served without a login. While it serves a
+known person, it does not count and is not ended.
 
 If there is no room for a new connection, the oldest connection of the address with the largest
 number of connections is ended. So no client can take all places and keep them, and an address with

@@ -306,7 +306,9 @@ class FleetModel:
         self.live.remove(f'laser:{robot}')
 
     def note_request(self, request: MissionRequest) -> None:
-        """Keeps the request of a mission. It may come before or after its first status."""
+        """Keeps the request of a mission, which may come before or after the mission's first
+        status.
+        """
         key = (request.id, request.stamp)
         self._requests[key] = request
         while len(self._requests) > MOST_REQUESTS:
@@ -320,7 +322,7 @@ class FleetModel:
 
     @property
     def unknown(self) -> Set[int]:
-        """Ids of the open missions whose status is known but whose request is not."""
+        """Ids of the open missions with a known status and an unknown request."""
         return {status.id for key, status in self.missions.items()
                 if key not in self._requests and status.state in OPEN_STATES}
 

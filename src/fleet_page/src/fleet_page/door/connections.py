@@ -213,7 +213,7 @@ class DoorListener:
         return int(self._socket.getsockname()[1])
 
     def close(self) -> None:
-        """Stops accepting connections, and ends all open ones."""
+        """Stops accepting connections, and ends all open connections."""
         if self._socket is not None:
             asyncio.get_event_loop().remove_reader(self._socket)
             self._socket.close()

@@ -231,7 +231,8 @@ class Door:
         return web.json_response({'ok': outcome.ok, 'text': outcome.text, 'mission': 0})
 
     async def _stop(self, person: Person) -> ActOutcome:
-        """Stops the fleet and reports the stop, even if the browser does not wait for it."""
+        """Stops the fleet and reports the stop, even if the browser does not wait for the answer.
+        """
         asked = time.time()
         outcome = await self._stops.stop(person.name)
         _LOG.info('%s stopped the fleet: %s', person.name, outcome.text)

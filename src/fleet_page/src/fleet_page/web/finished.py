@@ -32,7 +32,7 @@ def json_bytes(values: Any, status: int = 200) -> WebAnswer:
 
 
 class Finished:
-    """The last answer of each name, with the state from which it was made."""
+    """The last answer of each name, with the state from which the answer was made."""
 
     def __init__(self) -> None:
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'answers')

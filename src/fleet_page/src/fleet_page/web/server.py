@@ -261,7 +261,9 @@ class WebServer:
                                   'mission': outcome.mission})
 
     async def _done(self, person: Person, act: Act) -> ActOutcome:
-        """Carries out an act and records its outcome, even if the client does not wait for this."""
+        """Carries out an act and records its outcome, even if the client does not wait for the
+        answer.
+        """
         if act.kind in NAMED:
             outcome = self._page.change_named(act)
         elif act.kind is ActKind.ACKNOWLEDGE:

@@ -27,7 +27,8 @@ class TimesSent:
         self._known: Tuple[int, Times] = (0, {})
 
     def fill(self, message: msg.PlanRequest, table: Times, rate: float) -> None:
-        """Puts a table, or its changes, into a request. `rate`: s of the robots per s of ROS time.
+        """Puts a table, or its changes, into a request. `rate`: seconds of the robots' time in one
+        second of ROS time.
         """
         if table is not self._table and table != self._table:
             self._version = self._version % (_VERSIONS - 1) + 1

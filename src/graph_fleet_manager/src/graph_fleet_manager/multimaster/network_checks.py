@@ -28,7 +28,7 @@ from graph_fleet_manager.multimaster.peer_master import (
 )
 
 _CALL_BACK = 3.0     # s in which a master must call back
-_ASKED = 5           # largest number of the other side's nodes to which a connection is tried
+_ASKED = 5           # at most so many nodes of the other side are tested with a connection
 
 
 class NetworkChecks:

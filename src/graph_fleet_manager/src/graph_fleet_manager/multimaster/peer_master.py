@@ -115,7 +115,8 @@ class Discovery:
         return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
-        """Returns the MD5 sum of each of these message types that the other side has.
+        """Returns the MD5 sums of these message types, by type, as far as the other side has the
+        types.
 
         Raises NoAnswer.
         """

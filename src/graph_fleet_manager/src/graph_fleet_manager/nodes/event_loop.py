@@ -52,7 +52,7 @@ class _Arrived(NamedTuple):
 
 
 class SupervisorEvents:
-    """The queues between callbacks, which put events, and the one thread that takes them.
+    """The queues of events: callbacks put events into them, and one thread takes the events.
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
 

@@ -1,7 +1,7 @@
 """random_missions: keeps a fleet busy, for demonstrations and endurance tests.
 
 For each robot that could serve a mission, it keeps one mission open. Each mission has random
-destinations in the connected part of the graph in which one of these robots is.
+destinations in a connected part of the graph that contains one of these robots.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -58,7 +58,7 @@ class RandomMissions:
         """By edge id: the possible destinations in the connected part of the graph with this edge.
         """
         self._robots: List[int] = []
-        """For each robot that could serve a mission, the edge on which it is."""
+        """One edge for each robot that could serve a mission: the edge on which the robot is."""
         self._open: Dict[int, _Sent] = {}
         self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)

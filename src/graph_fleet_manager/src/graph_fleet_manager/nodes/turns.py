@@ -18,7 +18,7 @@ from enum import Enum
 from typing import NamedTuple, Optional
 
 TICK = 0.05    # s between two ticks
-LATEST = 0.2   # s for which commands and reports may delay a tick that is due
+LATEST = 0.2   # s by which commands and reports may delay a tick that is due
 
 
 class TurnKind(Enum):

@@ -109,7 +109,9 @@ class FleetMenus:
         self._answers: Dict[str, _AnswerMenu] = {}
 
     def show_graph(self, graph: Graph) -> None:
-        """Shows the buttons and the handles of vertices and edges, and removes all earlier ones."""
+        """Shows the buttons and the handles of vertices and edges, and removes all earlier buttons
+        and handles.
+        """
         for name in [name for name in self._menus if not name.startswith('robot ')]:
             self._remove(name)
         for vertex in graph.vertices.values():
