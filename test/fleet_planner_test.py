@@ -258,7 +258,9 @@ class FleetPlannerTest(unittest.TestCase):
         wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
 
     def restart(self) -> None:
-        """Ends graph_server and waits until roslaunch's new one has put a graph in force."""
+        """Ends graph_server. Waits until roslaunch has restarted it and it has put a graph in
+        force.
+        """
         graphs = len(self.graphs.messages)
         rosnode.kill_nodes(['/graph_server'])
         self.graphs.wait_for(lambda _: True, 30, 'graph of a new graph_server', graphs)

@@ -1,4 +1,4 @@
-"""Measures how graphs are made from maps, and the editor with a large graph; with floors.
+"""Measures the making of graphs from maps, and the editor with a large graph.
 
 It uses the laboratory, and the maps of real LD robots in the folder LD90_REAL_MAPS if it exists.
 """

@@ -25,8 +25,8 @@ SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: $
 TRAVEL, HAND_OVER = 3.0, 3.0
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The program that stands for a fork of the node host, as an argument of the launch file, because
-#: `$(find ...)` does not work in a quoted text.
+#: An argument of the launch file: the program that takes the place of a fork of the node host. It
+#: is an argument because `$(find ...)` does not work in a quoted text.
 HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
 #: The attributes that turn a node into a fork. roslaunch splits the prefix at blanks.
 HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}

@@ -10,7 +10,7 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: Released metres ahead of a robot, by type: for braking, and for driving until the next order.
+#: By type: m released ahead of a robot, for braking and for driving until the next order.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 

@@ -50,7 +50,7 @@ def _places() -> Iterator[str]:
 
 
 def read_names() -> None:
-    """Reads a fork's remappings and namespace, because rospy has only read those of the host."""
+    """Reads a fork's remappings and namespace, because rospy has read only the host's."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

@@ -1,4 +1,6 @@
-"""Carries out stops: while one stop runs, one further stop waits for all requests that come."""
+"""Carries out stops: while one stop runs, one further stop waits, which serves all requests that
+come.
+"""
 from __future__ import annotations
 
 import asyncio

@@ -291,7 +291,7 @@ async def serve(server: WebServer, path: str) -> web.AppRunner:
 
 
 def _person(request: web.Request) -> Person:
-    """Returns the person of a request, which the door has named."""
+    """Returns the person that the door has named for a request."""
     return Person(request.headers[PERSON], UserRole[request.headers[ROLE]])
 
 

@@ -155,9 +155,10 @@ class NetworkChecks:
         return Checked('nodes', Grade.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
-        """Returns the nodes that run on the other computer: those with the same host as its rosout.
+        """Returns the nodes that run on the other computer: they have the same host as the rosout
+        there.
 
-        Its master also lists nodes of further masters with which it is joined.
+        The master there also lists nodes of further masters with which it is joined.
         """
         nodes = self._nodes or {}
         where = urlsplit(nodes.get('/rosout', '')).hostname
