@@ -82,7 +82,7 @@ say() { printf '== %s\n' "$*"; }
 python_module() { /usr/bin/python3 -I "$root/scripts/run_module.py" "$@"; }  # python_module MODULE ARGUMENT...
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
-# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use it.
+# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use this name.
 need_localhost() {
   getent hosts localhost >/dev/null ||
     die "this computer has no address for the name localhost, which ROS and browsers need: add the line '127.0.0.1 localhost' to /etc/hosts."
@@ -104,7 +104,7 @@ with_progress() {
   return "$status"
 }
 
-# _tell_progress LOG SCRIPT: shows the progress until it is ended, or until the process SCRIPT has ended.
+# _tell_progress LOG SCRIPT: shows the progress until this function is ended, or until the process SCRIPT has ended.
 _tell_progress() {
   local began=$SECONDS told=0 last
   while sleep 1 && kill -0 "$2" 2>/dev/null; do

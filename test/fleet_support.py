@@ -215,7 +215,7 @@ class Factory:
     def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
         """Sends a mission. Returns its id when the fleet manager has received the mission.
 
-        This waits because the publisher's queue drops some of many missions that are sent at once.
+        This waits because the publisher's queue can overflow if many missions are sent at once.
         """
         request = mission_request(vertices, request_id=next(self._ids), robot=robot, dwell=dwell)
         self._requests.send(request)

@@ -4,7 +4,8 @@ The screen is an Xvfb of 1280 x 900; xdotool moves the mouse. `missing_programs`
 that are not installed.
 
 A loaded computer draws late. So each step waits for something visible: a click on a handle waits
-until the status bar describes the handle, a click on a menu entry until the entry is highlighted.
+until the status bar describes the handle, and a click on a menu entry waits until the entry is
+highlighted.
 """
 from __future__ import annotations
 

@@ -155,7 +155,7 @@ def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
 
 
 class Launched:
-    """One of the project's launch files with roslaunch, at this test's master; for `with`.
+    """A launch file of the project that runs under this test's ROS master; for a `with` statement.
 
     The output of the nodes is what a user sees on the screen. `/rosout` would not be complete: it
     lacks the messages that a node logs before rosout has connected to the node.

@@ -89,8 +89,8 @@ def waiting(run: Figures) -> float:
 
 
 def change(values: List[float], of: List[float]) -> str:
-    """Returns a text: how much `values` differ from `of` on average, seed by seed, in % of the mean
-    of `of`, with half the width of the 95 % confidence band.
+    """Returns a text: the mean difference between `values` and `of`, seed by seed, in % of the mean
+    of `of`, and half the width of its 95 % confidence band.
     """
     mean = sum(of) / len(of)
     found: Band = band([100.0 * (value - one) / mean for value, one in zip(values, of)])

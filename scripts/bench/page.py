@@ -197,7 +197,9 @@ def seen_since(window: Browser, known: Set[str]) -> List[float]:
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
-    """Returns median and p95 of the time (ms) from a change in /fleet_poses to its frame."""
+    """Returns median and p95 of the time (ms) from a change in /fleet_poses to the frame that shows
+    it.
+    """
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
     window.script(WATCH)
     delays: List[float] = []

@@ -47,7 +47,7 @@ LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.ya
 MISSION = (18, 39, 52, 6, 16)
 ROBOT_NAME = 'omron_ld90'
 RUNS = 5
-# speed of the simulated LD-90's clock; on this clock, our delays are so many times as long
+# speed of the simulated LD-90's clock; on this clock, our delays are SPEED times as long
 SPEED = 4.0
 DRIVES = 20
 STEPS = 100

@@ -133,7 +133,7 @@ class Disturbances:
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
-        """Causes disturbances until `ended` is set. Completes each one, and ends its fault.
+        """Causes disturbances until `ended` is set. Completes each disturbance, and ends its fault.
 
         only -- the kinds of disturbances to cause; empty: all kinds
         """

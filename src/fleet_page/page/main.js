@@ -53,7 +53,7 @@ function begin() {
   followIfShown();
 }
 
-// A page that is not visible has no connection, because the browser has only six for all its pages.
+// A page that is not visible has no connection, because the browser has only six connections for all its pages.
 function followIfShown() {
   if (document.hidden) unfollow();
   else if (me.role) follow(wantedStreams, changed, showLogin);

@@ -6,8 +6,8 @@ roslaunch and the nodes of a fleet print some hundred lines at a start. This pro
 for each stage, all warnings and errors, and the line that says what is ready. After that line it
 shows everything that nodes print. After Ctrl-C it shows errors only. It decides only what is shown:
 ROS keeps all lines in its log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, even if
-they come before roslaunch runs. Its exit status is that of roslaunch. If its own output is closed,
-it ends roslaunch.
+they come before roslaunch runs. It exits with the status of roslaunch. If its own output is
+closed, it ends roslaunch.
 
 It recognises the kind of a line by the fields of its form (`screen_lines`), never by its words. The
 user can set another form in ROSCONSOLE_FORMAT; lines in that form are all shown.

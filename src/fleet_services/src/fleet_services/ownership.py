@@ -112,7 +112,7 @@ def copy_regular(path: Path, into: IO[bytes], follows: bool = False) -> None:
 
 
 def copy_all(source: IO[bytes], into: IO[bytes]) -> None:
-    """Copies the rest of a file, and flushes it for other processes that have the copy open."""
+    """Copies the rest of a file, and flushes the copy for other processes that have it open."""
     block = source.read(_BLOCK)
     while block:
         into.write(block)

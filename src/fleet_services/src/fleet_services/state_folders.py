@@ -88,9 +88,9 @@ def move(moves: Moves) -> None:
 
 
 def make_private(folder: Path) -> None:
-    """Sets the modes of a unit's folder, and of all files of this user in it, according to the
-    table in docs/explanation/security.md. Files of version 1.0.0 have other modes. No link is
-    followed.
+    """Sets the modes of a unit's folder, and of all its files that belong to this user, according
+    to the table in docs/explanation/security.md. Files of version 1.0.0 have other modes. No link
+    is followed.
     """
     folder.chmod(_FOLDER)
     for path, folders, files in os.walk(folder):

@@ -72,7 +72,7 @@ def _show_as(arguments: Sequence[str]) -> None:
 
 
 def _draw_other_random_numbers() -> None:
-    """Seeds numpy's generator again, because a fork does this only for Python's own generator."""
+    """Seeds numpy's generator again: in a fork, Python does this only for its own generator."""
     numpy_random = sys.modules.get('numpy.random')
     if numpy_random is not None:
         numpy_random.seed()

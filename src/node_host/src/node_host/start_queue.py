@@ -25,7 +25,9 @@ class _Waiting(Generic[Key]):
 
 
 class StartQueue(Generic[Key]):
-    """A queue. A key identifies one run, and an identity one program. Times are monotonic, in s."""
+    """A queue. A key stands for one run, and an identity stands for one program. Times are
+    monotonic, in s.
+    """
 
     def __init__(self, at_a_time: int = AT_A_TIME) -> None:
         self._at_a_time = at_a_time

@@ -75,7 +75,7 @@ def run(name: str, start: Callable[[], Any],
 def init_node(name: str) -> None:
     """Initializes a node as soon as there is a ROS master; SIGINT and SIGTERM end it from now on.
 
-    For nodes whose main thread cannot run `run`, e.g. nodes with a window.
+    It is for nodes whose main thread cannot run `run`, e.g. nodes with a window.
     """
     _end_on_signals()
     _wait_for_master()

@@ -66,7 +66,8 @@ def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
 
 
 def each_by_itself(welcome: Welcome) -> Welcome:
-    """Wraps `welcome` so that each client has its own thread. Without a header, the thread ends."""
+    """Wraps `welcome` so that each client has its own thread. If no header comes, the thread ends.
+    """
     def within_time(server: Any, client: socket, address: Any) -> None:
         before = client.gettimeout()
         client.settimeout(HEADER_WITHIN)

@@ -36,7 +36,7 @@ class PointsMarker(Marker):
 
 
 class FastMarkerArray(MarkerArray):
-    """An array of markers. Each of them may be a PointsMarker, because each one writes itself."""
+    """An array of markers. Each marker may be a PointsMarker, because each marker writes itself."""
 
     def serialize(self, buff: io.BytesIO) -> None:
         """Writes the message to `buff`."""
@@ -77,7 +77,8 @@ class LoadGridResponse(LoadMapResponse):
 
 
 def _write(buff: io.BytesIO, plain: memoryview, after: int, elements: np.ndarray) -> None:
-    """Writes `plain` with `elements` in place of an empty array, after which `after` bytes follow.
+    """Writes `plain`, but `elements` in place of its empty array, which is before the last `after`
+    bytes.
     """
     end = len(plain) - after
     buff.write(plain[:end - _LENGTH.size])

@@ -153,7 +153,8 @@ class Connection(asyncio.Protocol):
                     self._listener.admissions.count(self, self.place)
 
     def work_with(self, work: asyncio.Future[Any]) -> None:
-        """Notes the work of the connection. If the connection ends earlier, the work is cancelled.
+        """Notes the work of the connection. If the connection ends before the work, the work is
+        cancelled.
         """
         self._work = work
 

@@ -220,7 +220,7 @@ def _time_of_day(text: str) -> rospy.Time:
 
 
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
-    """Returns the fields of a request for the options that every mission has."""
+    """Returns the fields of a request that follow from the options that every mission has."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
             'after': [MissionDependency(request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),

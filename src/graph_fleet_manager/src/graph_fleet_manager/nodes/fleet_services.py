@@ -205,7 +205,7 @@ class FleetServices:
         return found[0]
 
     def offer_removed(self, robots: Iterable[str]) -> None:
-        """Offers to declare robots ABSENT that are not in the fleet file any more."""
+        """Offers to declare each of these robots ABSENT, unless it is in the fleet file."""
         for robot in sorted(set(robots) - self._robots):
             self._robots |= {robot}
             self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
