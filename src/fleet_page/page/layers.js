@@ -1,4 +1,5 @@
-// The layers of the map, and their menu, which also explains the colours. This browser keeps the choice. The server sends a layer's entries, or the page asks for its data, only while the layer is shown.
+// The layers of the map, and their menu, which also explains the colours. This browser keeps the choice. The server
+// sends a layer's entries, or the page asks for its data, only while the layer is shown.
 import { $, make, narrow } from './dom.js';
 import { entries, get } from './server.js';
 import { store, stored, t } from './texts.js';

@@ -249,7 +249,8 @@ function drawFences(paint, colour) {
 const shownAreas = () => hasLayer('areas') ? Object.entries(entries.get('areas') || {}) : [];
 const edgesOf = ids => site.edges.filter(edge => ids.includes(edge[4]));
 
-// Draws one outline around all edges of each area: a broad line along the edges; the inside of the line is then removed.
+// Draws one outline around all edges of each area: a broad line along the edges; the inside of the line is then
+// removed.
 function outlineAreas(paint, ratio, closed, colour) {
   const areas = shownAreas();
   if (!areas.length) return;
@@ -398,7 +399,8 @@ function dropRobots(wanted) {
 }
 
 // A robot's label keeps its side while this side is free. It may cover vertices and other names, but no other robot. A
-// label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble are placed first, and are always shown.
+// label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble
+// are placed first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
   coverControls(places);
@@ -465,7 +467,8 @@ export function robotWords(robot) {
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
 }
 
-// Returns why a robot does not work or drive. If no translation of the reason is known, the text of the outage's code comes first.
+// Returns why a robot does not work or drive. If no translation of the reason is known, the text of the outage's code
+// comes first.
 export function outageWords(robot) {
   const words = said(robot.waits_for), code = robot.outage;
   const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);
@@ -513,8 +516,8 @@ function drawPlans() {
   planLayer.replaceChildren(...shapes);
 }
 
-// Draws the places that each robot may occupy, as broad as the robot: the part of each edge that is not behind the robot,
-// its vertex, and other places.
+// Draws the places that each robot may occupy, as broad as the robot: the part of each edge that is not behind the
+// robot, its vertex, and other places.
 function drawAllocations() {
   const shapes = [];
   for (const [name, [holds, vertex, places]] of all('allocation:')) {

@@ -29,7 +29,7 @@ from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
 MASTER_PERIOD = 0.3  # s between two checks for a ROS master
-END_WITHIN = 3.0  # s after SIGINT or SIGTERM in which the process ends, even if rospy does not
+END_WITHIN = 3.0  # s after SIGINT or SIGTERM within which the process ends, even if rospy hangs
 
 
 def run(name: str, start: Callable[[], Any],

@@ -22,7 +22,7 @@ from weakref import WeakValueDictionary
 from rospy.impl.masterslave import ROSHandler
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
-HEADER_WITHIN = 10.0  # s after connecting in which a client must send the header
+HEADER_WITHIN = 10.0  # s after connecting within which a client must send the header
 
 Connect = Callable[[Any, str, str], Any]
 Welcome = Callable[[Any, socket, Any], Any]

@@ -109,7 +109,7 @@ class Door:
         async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
             connection = self._connection(request)
             if connection is None:
-                raise asyncio.CancelledError  # it ended before its request was read
+                raise asyncio.CancelledError  # the connection ended before its request was read
             person = self._person(request)
             if self._may_ask(request, person):
                 with connection.serving(person is not None):
