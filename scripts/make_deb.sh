@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds packages of this workspace for the Debian that runs it, 12 or 13, and checks them with lintian.
+# Builds packages of this workspace for the running Debian (12 or 13), and checks them with lintian.
 #
 #   scripts/make_deb.sh            the packages are build/deb/*.deb
 #   scripts/make_deb.sh --try      then installs them in a bare system of the same Debian (build/deb/root) and drives a simulated
@@ -59,7 +59,7 @@ inside sh -ec 'apt-get update -q; apt-get install -y -q --no-install-recommends 
   die "the packages could not be installed: see $log"
 say "Driving a simulated robot there"
 cp "$root/scripts/try_packages.sh" "$bare/tmp/"
-# In a network namespace of its own, it has no connection to ROS nodes on this machine.
+# In a separate network namespace, the robot's nodes have no connection to ROS nodes on this machine.
 unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
   timeout 600 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
 say "Removing the packages"

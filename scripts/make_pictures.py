@@ -5,8 +5,8 @@ After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictu
 
 Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif,
 fleet_work.png, page_map.png and page_missions.png into docs/images. With an argument it writes only
-a part of these, in this order: `stack` the first three, `graph` the next two, `fleet` and `work`
-the next one each, `page` the last two.
+some of them: `stack` writes the first three, `graph` the next two, `fleet` and `work` one each, and
+`page` the last two.
 """
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ WINDOW = (0, 0, 1280, 871)
 GIF_WIDTH, GIF_COLOURS = 900, 160
 SCALE = 40.0
 NOTHING_HERE = (640, 440)
-# s between two pictures of the film, and the factor by which the film is faster
+# s between two pictures of the film, and how many times as fast as reality the film runs
 PERIOD, SPEED_UP = 1.0, 5.0
 STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger is
 VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph

@@ -31,7 +31,7 @@ for library in "${pure_libraries[@]}"; do
   rm -rf "$sources" "${built[@]}"
   mkdir "$sources"
   cp -r "$root/src/$library" "$sources"  # a copy, because building leaves files beside the sources
-  # without the check of dependencies, which starts two more programs; scripts/pins/wheels.txt lists all of them
+  # the check of dependencies would start two more programs; scripts/pins/wheels.txt lists all dependencies
   "$root/build/wheels/bin/python" -I -m build --no-isolation --skip-dependency-check --outdir "$here" "$sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
   echo "$key" >"$keys/$library"

@@ -11,7 +11,7 @@ OUTPUTS = (b'outputOn', b'outputOff')
 
 
 class ArclTap:
-    """A TCP proxy on loopback. `motions`, `outputs`: monotonic times of such commands."""
+    """A TCP proxy on loopback. Keeps the monotonic times of commands for motions and outputs."""
 
     def __init__(self, port: int, robot_port: int) -> None:
         self.port = port

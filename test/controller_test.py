@@ -130,8 +130,8 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
     def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
-        """actionlib refuses goals that, by the clocks of the clients, are older than the last
-        cancellation.
+        """actionlib refuses a goal if its stamp is older than the last cancellation, and clients'
+        clocks can differ.
         """
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')

@@ -97,7 +97,9 @@ class DevicesTest(unittest.TestCase):
         wait_until(is_shown, SOON, 'the request in a report')
 
     def report(self, name: str) -> DeviceReport:
-        """Returns the newest report of a device. No report may be older than the one before."""
+        """Returns the newest report of a device. Fails if a report is older than the previous
+        report.
+        """
         reports = [device_report_of(message) for message in list(self.states.messages)
                    if message.device_name == name]
         for before, after in zip(reports, reports[1:]):

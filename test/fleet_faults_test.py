@@ -219,7 +219,8 @@ class FleetFaults(unittest.TestCase):
         self.assertIn(words, refused.reason)
 
     def stopped_but_not_stored(self) -> None:
-        """Checks that a stop reaches the robot, and that the answer says that it may be forgotten.
+        """Checks that a stop reaches the robot, and that the answer warns that the stop may be
+        forgotten.
         """
         stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
         self.assertTrue(stopped.success, stopped.message)

@@ -113,7 +113,7 @@ class FleetPlannerTest(unittest.TestCase):
         return list(told.edges)
 
     def report(self, at: int, left: Iterable[int] = ()) -> None:
-        """Reports for agv_1 the edge on which it is, and the rest of its route."""
+        """Sends a report of agv_1: the robot's edge, and the edges that are left of its route."""
         report = ExecutionRouteStates(
             route_id=1, edge_states=[EdgeState(edge, EdgeState.PROCESSING) for edge in left],
             symbolic_pose=SymbolicPose(at, 50.0))
@@ -168,7 +168,7 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """Returns the message that a new subscriber gets if it has these vertices; else None.
+        """Returns the message for a new subscriber if the message has these vertices; else None.
 
         After an edge is opened, the new message comes a moment later.
         """
@@ -258,7 +258,9 @@ class FleetPlannerTest(unittest.TestCase):
         wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
 
     def restart(self) -> None:
-        """Ends graph_server and waits until roslaunch's new one has put a graph in force."""
+        """Ends graph_server. Waits until roslaunch has restarted it and it has put a graph in
+        force.
+        """
         graphs = len(self.graphs.messages)
         rosnode.kill_nodes(['/graph_server'])
         self.graphs.wait_for(lambda _: True, 30, 'graph of a new graph_server', graphs)

@@ -240,7 +240,7 @@ class FleetByMouse(unittest.TestCase):
             for name, other in self.factory.places().items() if name != but)
 
     def free_vertex(self) -> int:
-        """Returns a station at which no robot stands and to which no robot will return."""
+        """Returns a station where no robot stands, and which no robot has as its home."""
         return next(id for id in self.factory.stations if id not in self.factory.homes()
                     and self.is_clickable(self.place_at(id), 1.5))
 
@@ -258,7 +258,8 @@ class FleetByMouse(unittest.TestCase):
                     if self.is_clickable(place, 1.5, name))
 
     def is_framed(self, picture: Image.Image) -> bool:
-        """Returns whether the graph has the red frame of a stopped fleet, from its left side."""
+        """Returns whether the red frame of a stopped fleet is drawn; looks only at its left side.
+        """
         places = [vertex.position for vertex in self.factory.graph.vertices.values()]
         side = (min(x for x, _ in places) - MARGIN,
                 (min(y for _, y in places) + max(y for _, y in places)) / 2.0)

@@ -215,7 +215,7 @@ class Factory:
     def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
         """Sends a mission. Returns its id when the fleet manager has received the mission.
 
-        This waits because the publisher's queue drops some of many missions that are sent at once.
+        This waits because the publisher's queue can overflow if many missions are sent at once.
         """
         request = mission_request(vertices, request_id=next(self._ids), robot=robot, dwell=dwell)
         self._requests.send(request)
@@ -236,7 +236,8 @@ class Factory:
 
     def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
                   missions: Sequence[int] = ()) -> int:
-        """Waits for a condition, and checks the distances between robots. Returns how often it did.
+        """Waits for a condition, and checks the distances between robots. Returns the number of
+        checks.
         """
         looks, deadline = 0, time.monotonic() + timeout
         while not condition():
@@ -248,7 +249,9 @@ class Factory:
         return looks
 
     def succeeded(self, missions: Sequence[int]) -> int:
-        """Returns how many of these missions have succeeded; fails if one has not succeeded."""
+        """Returns how many of these missions have succeeded; fails if one has ended without
+        success.
+        """
         ends = self.ends(missions)
         assert set(ends.values()) <= {MissionStatus.SUCCEEDED}, self.why(missions)
         return len(ends)

@@ -256,7 +256,7 @@ class Editor:
         self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
         self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there) < 0.1,
                          'the vertex that is not saved')
-        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse let it go
+        self._choose(there, VERTEX_MENU, Action.LOAD)  # where the mouse released the handle
         self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
                          'the vertex as it was saved')
 

@@ -68,7 +68,7 @@ class JoinedFleet:
                       manager's computer
         addresses  -- of the LD-90's computer, the fleet manager's computer, and the AGVs' computers
         pictures   -- whether the LD-90's computer runs nodes that draw
-        absent     -- a robot that is not at the site yet, as the fleet manager knows
+        absent     -- a robot that is not at the site yet; the fleet manager knows this
         """
         self._folder = folder
         self._sim_speed = sim_speed

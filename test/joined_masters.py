@@ -145,7 +145,7 @@ class Computer:
 
 
 def join(fleet: Computer, robots: Sequence[Computer]) -> None:
-    """Joins the masters: the fleet is the peer of each robot, and each robot a peer of the fleet.
+    """Joins the masters: the fleet is a peer of each robot, and each robot is a peer of the fleet.
     """
     fleet.peers = list(robots)
     for robot in robots:

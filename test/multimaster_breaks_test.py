@@ -21,9 +21,10 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # of each side, and of both at once; other breaks only cut the link
+DEATHS = BREAKS // 12  # deaths of each side, and of both at once; other breaks cut only the link
 MISSION = [18, 39, 52, 6, 16]
-# m by which the same mission can differ, because the robot does not stop exactly at turning points
+# m by which the length of the same mission can differ, because the robot does not stop exactly at
+# turning points
 METRES = 2.0
 APART = (0.5, 10.0)  # m that the robot drives between two breaks
 AWAY = (0.2, 8.0)     # s without the link
@@ -72,7 +73,8 @@ class Breaks(unittest.TestCase):
             journal.write(f'{text}\n')
 
     def drive(self, kinds: List[str]) -> float:
-        """Drives one mission with breaks, from the end of `kinds`. Returns the metres driven."""
+        """Drives one mission with breaks, taken from the end of `kinds`. Returns the metres driven.
+        """
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
         with Odometer(fleet) as odometer:

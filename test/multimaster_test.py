@@ -174,7 +174,9 @@ def answers(address: str) -> bool:
 
 
 def other_definitions(folder: Path) -> Path:
-    """Writes the project's messages, one of them with another definition. Returns the folder."""
+    """Writes the definitions of the project's messages, and changes one definition. Returns the
+    folder.
+    """
     package = folder / 'itrci_nav_msgs'
     shutil.copytree(Path(itrci_nav_msgs.__path__[0]), package, dirs_exist_ok=True)
     module = package / 'msg' / '_TargetRoute.py'

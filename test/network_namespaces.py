@@ -95,7 +95,8 @@ def transmitted(interface: str = 'eth0') -> int:
 
 
 def entering(namespace: str) -> List[str]:
-    """Returns the words before a command that enter a namespace; empty without a namespace."""
+    """Returns the words before a command that must run in a namespace; empty without a namespace.
+    """
     return ['ip', 'netns', 'exec', namespace] if namespace else []
 
 

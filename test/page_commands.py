@@ -28,10 +28,10 @@ HOW_TO = ('from_opentcs', 'from_one_robot')  # how-to pages whose commands need 
 PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')),
          *(ROOT / 'docs' / 'how-to' / f'{name}.md' for name in HOW_TO))
 SHELLS = ('bash', 'sh', 'shell', 'console')
-# s in which the command after a command that goes on must succeed
+# s within which the command after a command that goes on must succeed
 START = 180.0
 COMMAND = 300.0  # s, limit for a command
-END = 60.0  # s after Ctrl-C in which a command must end
+END = 60.0  # s after Ctrl-C within which a command must end
 _BLOCK = re.compile(r'(?:^<!-- (?P<note>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$',
                     re.MULTILINE | re.DOTALL)
 
@@ -151,7 +151,7 @@ class Reader:
 
 
 def alone(page: Path) -> List[str]:
-    """Returns the command that follows a page where no other program runs, without a network."""
+    """Returns the command that follows a page without a network and without other programs."""
     mapped = [] if os.geteuid() == 0 else ['--map-root-user']
     return ['unshare', *mapped, '--net', '--pid', '--fork', '--kill-child', '--mount-proc',
             '/usr/bin/python3', str(Path(__file__).resolve()), str(page)]

@@ -53,7 +53,8 @@ class _Registers(_Bits):
 
 
 class Plc:
-    """A PLC. It reports its door as open while the door's coil is set; if it `lies`, the opposite.
+    """A PLC. It reports its door as open while the door's coil is set; if it `lies`, it reports the
+    opposite.
 
     Its press works while the coil `start` is on. The test decides when the press reports that it is
     done or has failed.

@@ -137,7 +137,7 @@ def _modules() -> Dict[str, List[Path]]:
 
 @pytest.hookimpl(tryfirst=True)  # before any test is deselected
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
-    """Adds the data for its report to each test of a proof. Puts proofs first: they take longest.
+    """Adds to each test of a proof the data for the report. Puts proofs first: they take longest.
     """
     names = [_name(str(item.fspath)) for item in items]
     counts = Counter(names)

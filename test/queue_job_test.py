@@ -23,7 +23,8 @@ PATIENCE = 60.0
 
 
 class CuttableLink:
-    """A proxy on loopback that notes the commands for jobs. It can cut the link after one of them.
+    """A proxy on loopback that notes the commands for jobs. It can cut the link after such a
+    command.
     """
 
     def __init__(self) -> None:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The receiver's topics have what the robot sent: as unchanged bytes, and typed in SI units."""
+"""The receiver publishes what the robot sent: as unchanged bytes, and as typed values in SI units.
+"""
 from __future__ import annotations
 
 import math
@@ -35,7 +36,7 @@ STATUS = {  # topic -> line
 
 
 class RawString(String):
-    """A String whose data stay bytes; rospy's own class decodes them as UTF-8."""
+    """A String whose data remain bytes; rospy's own class decodes the data as UTF-8."""
 
     def deserialize(self, buffer: bytes) -> RawString:
         self.data = buffer[4:]

@@ -53,7 +53,7 @@ class FleetManager:
         return self._route_id
 
     def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
-        """Returns the first report on that route without an edge under way."""
+        """Returns the first report about this route in which no edge is under way."""
         return self.states.wait_for(
             lambda states: states.route_id == route_id and states.edge_states
             and EdgeState.PROCESSING not in state_list(states),
@@ -73,7 +73,7 @@ class RouteRobot(FleetManager):
     """The fleet manager of a robot that the test itself simulates. The robot starts at vertex 8."""
 
     def __init__(self, speed: float, status_period: float) -> None:
-        """status_period -- s of the robot's clock"""
+        """status_period -- s between two statuses, on the robot's clock"""
         self._speed = speed
         self.graph = load_graph(f'{MAPS}/lab_graph.yaml')
         self.robot = Simulator(

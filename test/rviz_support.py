@@ -4,7 +4,8 @@ The screen is an Xvfb of 1280 x 900; xdotool moves the mouse. `missing_programs`
 that are not installed.
 
 A loaded computer draws late. So each step waits for something visible: a click on a handle waits
-until the status bar describes the handle, a click on a menu entry until the entry is highlighted.
+until the status bar describes the handle, and a click on a menu entry waits until the entry is
+highlighted.
 """
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ STATUS_BAR = (0, 872, 1100, 900)
 MENU_INSET = 24  # px from a menu's left edge to a point between the mouse pointer and the words
 GEOMETRY = re.compile(r'WINDOW=(\d+)\nX=(-?\d+)\nY=(-?\d+)\nWIDTH=(\d+)\nHEIGHT=(\d+)')
 REST = 0.5  # s; a picture that has not changed for this time is complete
-PATIENCE = 30.0  # s in which RViz must draw new data, on a loaded computer
+PATIENCE = 30.0  # s within which RViz must draw new data, on a loaded computer
 Colour = Tuple[int, int, int]
 Box = Tuple[int, int, int, int]  # left, top, right, bottom; pixels
 MENU_COLOUR: Colour = (255, 255, 255)
@@ -146,8 +147,8 @@ class RvizWindow:
         wait_until(taken, PATIENCE, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
-        """Chooses the tool at `x` in the toolbar. Of two tools of the same kind, a shortcut finds
-        only one.
+        """Chooses the tool at `x` in the toolbar. A shortcut finds only one of two tools of the
+        same kind.
         """
         self._screen.mouse('mousemove', x, TOOLBAR_Y, 'click', 1)
 

@@ -40,7 +40,7 @@ BODY = (211, 184, 190)  # the deck, seen through the red of the stop handle
 
 
 def orange_near(picture, pixel: tuple) -> int:
-    """Returns the number of pixels at `pixel` with an orange of areas, which depends on overlap."""
+    """Returns the number of pixels at `pixel` in the orange of one area, or of two that overlap."""
     return count_near(picture, pixel, ORANGE, 1) + count_near(picture, pixel, DEEP_ORANGE, 1)
 
 

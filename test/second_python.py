@@ -41,7 +41,7 @@ def key(file: str) -> str:
 
 @lru_cache(maxsize=None)
 def _other_files() -> str:
-    """Returns the hash of all files, except Python's, that tests may read."""
+    """Returns the hash of all files that tests may read, except Python files."""
     digest = hashlib.sha256()
     for folder in FOLDERS:
         for file in sorted((ROOT / folder).rglob('*')):
@@ -62,7 +62,7 @@ def _is_selection(config: pytest.Config) -> bool:
         config.option.keyword or getattr(config.option, 'lf', False))
 
 
-@pytest.hookimpl(trylast=True)  # after tests that do not run there at all were deselected
+@pytest.hookimpl(trylast=True)  # after the deselection of tests that never run there
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
     """Leaves out each file of tests that passed with the present contents of all that it reads."""
     if PROVES or LONG or _is_selection(config):

@@ -27,8 +27,8 @@ from ports import free_port
 from system_support import run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
-SECONDS = 20.0  # s for the end of a unit
-SIGNS = 2 * 15.0  # s in which a watchdog message must come
+SECONDS = 20.0  # s within which a unit must end
+SIGNS = 2 * 15.0  # s within which a watchdog message must come
 
 
 class Unit:

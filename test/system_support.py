@@ -48,7 +48,9 @@ class Recorder:
 
     def wait_for(self, predicate: Callable[[Any], bool], timeout: float, what: str,
                  after: int = 0) -> Any:
-        """Returns the first message from index `after` on with `predicate`, within `timeout` s."""
+        """Returns the first message with index `after` or more for which `predicate` is true. Waits
+        at most `timeout` s.
+        """
         deadline = time.monotonic() + timeout
         seen = after
         with self._changed:
@@ -80,7 +82,7 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
 def program(package: str, name: str) -> str:
     """Returns the path of a program.
 
-    `rosrun` also finds it, but each time with programs of its own, which take as long as the
+    `rosrun` also finds the path, but it starts further programs for this, which take as long as the
     program itself. `fleet_mission` starts its commands with `rosrun`, as a user does.
     """
     return str(roslib.packages.find_node(package, name)[0])
@@ -153,7 +155,7 @@ def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
 
 
 class Launched:
-    """One of the project's launch files with roslaunch, at this test's master; for `with`.
+    """A launch file of the project that runs under this test's ROS master; for a `with` statement.
 
     The output of the nodes is what a user sees on the screen. `/rosout` would not be complete: it
     lacks the messages that a node logs before rosout has connected to the node.

@@ -26,7 +26,7 @@ from vda5050_mqtt.own_broker import OwnBroker
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s
 UNHURRIED = 0.5  # m/s
-NEAR = 0.45  # m before a goal; here the robot is slow, and the adapter sends the next goal
+NEAR = 0.45  # m from a goal; here the robot is slow, and the next goal is sent
 SLOW = 0.15  # m/s; so there are 3 s for the next goal, even on a computer that is busy
 CRAWL = 0.05  # m/s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),

@@ -28,7 +28,8 @@ class Warehouse:
         return iter(self._lines)
 
     def until(self, *words: str) -> List[str]:
-        """Returns the words of the first line with all of these; fails at an error or at the end.
+        """Returns the words of the first line that has all `words`; fails at an error or at the
+        end.
         """
         for line in self._lines:
             found = line.rstrip('\r\n').split(' ')

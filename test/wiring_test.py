@@ -83,7 +83,7 @@ ELSEWHERE = {
     'job_server.launch': ('jobs.test', 'job_server'),
     'node_host.launch': ('hosted_test.py', 'node_host'),
     'robot_host.launch': ('hosted.test', 'hosted')}
-#: Launch files that this test starts, directly or through another one.
+#: Launch files that this test starts, directly or through another launch file.
 STARTED = {'full_stack.launch', 'robot.launch', 'sim.launch', 'visualisation.launch',
            'steps.launch', 'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch',
            'edit.launch'}
@@ -94,7 +94,7 @@ EVERYBODYS = {'/rosout', '/rosout_agg', '/tf', '/tf_static', '/diagnostics', '/c
 
 
 class Wire(NamedTuple):
-    """A topic, with the type in each node that publishes it or subscribes to it."""
+    """A topic, with the message type in each of its publishers and subscribers."""
 
     name: str
     offered: Dict[str, str]
@@ -102,7 +102,7 @@ class Wire(NamedTuple):
 
 
 def wires() -> List[Wire]:
-    """Returns all topics of the running nodes, without those of this test."""
+    """Returns all topics of the running nodes, without the topics of this test."""
     master = rosgraph.Master(rospy.get_name())
     publishers, subscribers, _ = master.getSystemState()
     ends: Dict[str, Wire] = {}

@@ -43,7 +43,7 @@ from trajectory_graph import load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST_EDGE = 1.5    # m
-MOST = 2              # destinations of a random mission
+MOST = 2              # largest number of destinations of a random mission
 LOOK = 1.0            # s between two observations of the robots
 WARM_UP = 120.0       # s in which the robots spread
 MOVED, TURNED = 0.01, 0.01  # m and rad; more than this in LOOK counts as motion
@@ -90,7 +90,7 @@ Observation = Union[Look, Success]
 
 @dataclass(frozen=True)
 class RandomFlow(Flow):
-    """Missions as `random_missions` draws them: to one or more different places."""
+    """Missions like those of `random_missions`: to one or more different places."""
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
         """Returns one mission."""

@@ -81,7 +81,7 @@ def in_chunks(data: bytes) -> List[bytes]:
 
 
 def statuses() -> Row:
-    """Parses status lines with different locations in a session; the floor splits and decodes."""
+    """Measures a session that parses status lines; the floor only splits and decodes the lines."""
     draw = random.Random(1)
     blocks = [f'ExtendedStatusForHumans: Going to {i}\r\nStatus: Going to {i}\r\n'
               f'StateOfCharge: {draw.uniform(0, 100):.1f}\r\n'
@@ -92,7 +92,7 @@ def statuses() -> Row:
 
 
 def scans() -> Row:
-    """Parses scans of 455 points in a session; the floor splits and decodes."""
+    """Measures a session that parses scans of 455 points; the floor only splits and decodes."""
     points = np.random.default_rng(1).integers(-20_000, 20_000, 910)
     line = f'RangeDeviceGetCurrent: Laser_1 {" ".join(map(str, points))}\r\n'
     return throughput('scans of 455 points', line.encode() * 5000, 5000, '10,000/s')

@@ -135,7 +135,7 @@ def factory(*options: str) -> Callable[[str], List[str]]:
 
 
 def free_ports_of_a_fleet() -> int:
-    """Returns the first of the free ports for the simulated robots."""
+    """Returns the first port of a range whose ports are all free, for the simulated robots."""
     from fleet_bringup.ports import is_taken
     return next(first for first in range(22000, 32000, 50)
                 if not any(is_taken(first + number) for number in range(10 * COUNT)))
@@ -164,8 +164,8 @@ def part_of(pid: int) -> str:
 
 
 def usage_of(pid: int) -> Dict[str, Usage]:
-    """Returns the use of resources by each part of a launch during some time, without the script's
-    own shells.
+    """Observes a launch for MEASURE s. Returns the resources that each part has used. The shells of
+    the script do not count.
     """
     before = {one: (part_of(one), cpu_seconds(one)) for one in descendants(pid)}
     time.sleep(MEASURE)

@@ -2,10 +2,10 @@
 """Measures the fleet's planner: planning time, cost of the plans, and the number of missions done.
 
 Every plan uses true sizes, speeds and conflict sets. Times are CPU times, because other work on the
-machine changes CPU times less. Limits are times of the clock. The speed of a virtual machine
-changes from minute to minute. So the section `stations` makes the first plans of all seeds in many
-turns, and each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS).
-Rivals are installed from PyPI into virtual environments under build/rivals.
+machine hardly changes them. Time limits use the clock. The speed of a virtual machine changes from
+minute to minute. So the section `stations` makes the first plans of all seeds in many turns, and
+each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals are
+installed from PyPI into virtual environments under build/rivals.
 """
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Makes our first plan, within a second. Returns the checker's judgement of it."""
+    """Makes our first plan, within a second. Returns the checker's judgement of the plan."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()

@@ -1,4 +1,4 @@
-"""Measures how graphs are made from maps, and the editor with a large graph; with floors.
+"""Measures the making of graphs from maps, and the editor with a large graph.
 
 It uses the laboratory, and the maps of real LD robots in the folder LD90_REAL_MAPS if it exists.
 """
@@ -46,7 +46,7 @@ LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
 RUNS = 3
 OPTIONS = MakingOptions()
-# m of clearance that selects the middles of the laboratory's rooms and halls, separated at doors
+# m; floor with this clearance is in the middle of rooms and halls of the laboratory, not in doors
 ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
 # m: position of the vertex that is dragged
@@ -116,7 +116,9 @@ def length(graph: Graph) -> float:
 
 
 def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
-    """Returns the mask of the floor that the graph reaches with half a robot's width of room."""
+    """Returns the mask of the floor that is connected to the graph and half a robot's width from
+    walls.
+    """
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 

@@ -120,7 +120,7 @@ def plan_of_20(graph: Graph) -> float:
 # -- one robot -------------------------------------------------------------------------------------
 
 def points() -> Iterator[Row]:
-    """Measures how a map is read and checked."""
+    """Measures the reading and checking of maps."""
     yield row('points of a map: read and checked', [
         Cost(count, map_reading(count)) for count in (10_000, 100_000, 1_000_000)])
 
@@ -161,7 +161,7 @@ def reporting(count: int) -> float:
 # -- page ------------------------------------------------------------------------------------------
 
 def clients() -> Iterator[Row]:
-    """Measures the page's node and its door, per second, with clients that read everything."""
+    """Measures the CPU time per second of the page's node and door with clients that read all."""
     os.environ.setdefault('ROS_IP', '127.0.0.1')
     with tempfile.TemporaryDirectory() as folder, own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)

@@ -101,8 +101,7 @@ class Polling:
 
 
 def load() -> Iterator[Row]:
-    """Measures CPU and memory of the node with many clients and jobs; the floor is without both.
-    """
+    """Measures CPU and memory of the node with many clients and jobs; the floor has neither."""
     with Stack() as stack:
         files, port = stack.agv_fleet(AGV_COUNT), free_port()
         stack.launch(MANAGER, speed=1.0, **files)

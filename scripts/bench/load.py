@@ -2,7 +2,7 @@
 """Measures the fleet manager under the load of hundreds of robots; each figure has its floor.
 
     robots_50, robots_200   the nodes as users run them; this process plays the robots
-    devices_200             200 robots with 50 doors, and the same fleet without
+    devices_200             200 robots with 50 doors, and the same fleet without doors
     history                 a journal with a million ended missions (no ROS)
     planning                first plans and replans on 5,000 vertices (no ROS)
     decisions               reports, ticks and plans of 200 robots (no ROS)
@@ -39,7 +39,7 @@ from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
 
 OPEN = 5000  # open missions
-SETTLING = 45.0  # s after the first robots have missions; until then nearly all plans are made
+SETTLING = 45.0  # s from the first missions to the measurement: nearly all plans are made before
 SECONDS = 60.0  # s of a measurement
 DOORS = 50
 FLOOR = 10.0  # s in which the floor is measured
@@ -203,7 +203,7 @@ def measured(count: int, side: int, doors: int = 0) -> Measured:
 
 
 class Load(NamedTuple):
-    """Figures to compare: the share of `path_supervisor`, and ms from a report to a release."""
+    """Figures to compare, such as the CPU share of `path_supervisor`; `releases` is in ms."""
 
     share: float
     reports: float

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures ten ROS masters that fkie multimaster joins: those of nine robots and the fleet manager.
+"""Measures ten ROS masters that fkie multimaster joins: the masters of nine robots and one manager.
 
 All masters are on loopback addresses of a network namespace, in which bytes are counted. This needs
 root. Each robot is a simulated AGV. The floor of the bytes is one robot on a computer that is not
@@ -86,14 +86,14 @@ def heard_robots(states: Recorder) -> Set[str]:
 
 
 def joining_nodes(computer: Computer) -> List[int]:
-    """Returns the ids of the processes that join a master with others."""
+    """Returns the ids of the processes that join the computer's master with other masters."""
     own = f'ROS_IP={computer.address}'
     return [pid for pid in descendants(os.getpid()) if node_name(pid) in JOINING
             and own in Path(f'/proc/{pid}/environ').read_text().split('\0')]
 
 
 def use_of(computers: List[Computer]) -> Use:
-    """Returns the means for one computer during some seconds; waits for these seconds."""
+    """Measures the computers for COUNTED s. Returns the mean use of one computer."""
     pids = [pid for computer in computers for pid in joining_nodes(computer)]
     before, begun = sum(map(cpu_seconds, pids)), time.monotonic()
     time.sleep(COUNTED)

@@ -102,8 +102,8 @@ def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
 
 def died(side: Computer, namespace: str, topic: str, listener: Listener
          ) -> List[Tuple[float, float]]:
-    """Returns for each death of a side: the time (s) until the side runs again, and from then the
-    time (s) until its first message.
+    """Kills a side several times. Returns for each death the time (s) until the side runs again,
+    and then the time (s) until its first message.
     """
     found = []
     for _ in range(DEATHS):

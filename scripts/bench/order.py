@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares three orders of late robots on shared places: fixed, planned anew every 5 s, switched.
+"""Compares three ways to order late robots on shared places: fixed, planned anew, and switched.
 
-Each order is a *rival*. Fleets that always have open missions are simulated in virtual time, with
-the same seeds for each rival. With the rival `no stalls` the order is fixed and robots never stall,
-so its result is the upper limit for all others. `--only SECTION` runs one fleet; `--seeds N` sets
-the number of seeds.
+Each way is a *rival*. Fleets that always have open missions are simulated in virtual time, with the
+same seeds for each rival. With the rival `no stalls` the order is fixed and robots never stall, so
+its result is the upper limit for all others. `--only SECTION` runs one fleet; `--seeds N` sets the
+number of seeds.
 """
 from __future__ import annotations
 
@@ -84,13 +84,13 @@ RIVALS: Dict[str, Callable[[StudiedSite], StudiedSite]] = {
 
 
 def waiting(run: Figures) -> float:
-    """Returns the share (0..1) of the robots' time for which they wait."""
+    """Returns the share (0..1) of the robots' time in which they wait."""
     return run.use[Use.WAITING] / sum(run.use.values())
 
 
 def change(values: List[float], of: List[float]) -> str:
-    """Returns a text: how much `values` differ from `of` on average, seed by seed, in % of the mean
-    of `of`, with half the width of the 95 % confidence band.
+    """Returns a text: the mean difference between `values` and `of`, seed by seed, in % of the mean
+    of `of`, and half the width of its 95 % confidence band.
     """
     mean = sum(of) / len(of)
     found: Band = band([100.0 * (value - one) / mean for value, one in zip(values, of)])

@@ -192,12 +192,14 @@ def cost(program: subprocess.Popen, seconds: float) -> float:
 
 
 def seen_since(window: Browser, known: Set[str]) -> List[float]:
-    """Returns the times when the page has drawn places that are not among the known ones."""
+    """Returns the times when the page has drawn places that are not in `known`."""
     return [at for place, at in window.script('return window.seen').items() if place not in known]
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
-    """Returns median and p95 of the time (ms) from a change in /fleet_poses to its frame."""
+    """Returns median and p95 of the time (ms) from a change in /fleet_poses to the frame that shows
+    it.
+    """
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
     window.script(WATCH)
     delays: List[float] = []

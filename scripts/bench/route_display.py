@@ -32,7 +32,8 @@ class Load(NamedTuple):
 
 
 def advancing(edges: int) -> Reports:
-    """Yields reports of one route; each report has one more complete edge than the one before."""
+    """Yields reports of one route; each report has one more complete edge than the previous report.
+    """
     ids = [3, 4, 31, -31, -4, -3]
     states = [EdgeState(ids[index % len(ids)], EdgeState.PROCESSING) for index in range(edges)]
     done = 0

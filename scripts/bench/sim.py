@@ -96,8 +96,8 @@ class Listener:
 
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
-    """Returns the share of a core (%) that a program uses, the median of several periods, and the
-    time when the first period began.
+    """Returns the share of a core (%) that a program uses (median of several periods), and the time
+    when the first period began.
     """
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:

@@ -34,7 +34,9 @@ SETTINGS = {'ld90': RobotSettings(release_ahead=8.0),
 
 
 class Case(NamedTuple):
-    """A site, the number of robots, the virtual hours of a run, and the aim (x real time)."""
+    """A site, the number of robots, the virtual hours of a run, and the aim (multiple of real
+    time).
+    """
 
     site: Callable[[], StudiedSite]
     robots: int

@@ -48,8 +48,8 @@ HALF_OPEN = 20_000
 HALF_REQUESTS = {False: b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1',
                  True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the beginning of a TLS handshake
 OPENED_EACH_SECOND = 2000  # half requests, by all attackers
-IP_BIND_ADDRESS_NO_PORT = 24  # an option of Linux, for which the module socket has no name
-ATTACKERS = 2         # processes, because each one may open only a limited number of files
+IP_BIND_ADDRESS_NO_PORT = 24  # an option of Linux that has no name in the module socket
+ATTACKERS = 2         # processes, because each process may open only a limited number of files
 SEERS = 40
 STOPS = 30
 PERIOD = 0.25         # s between two stops; at a higher rate they are refused
@@ -125,7 +125,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
         while waiting and added < due:
             add(waiting.popleft())
             added += 1
-        added = max(added, int(due) - 100)  # half requests that were not opened are left out
+        added = max(added, int(due) - 100)  # catches up with at most 100 half requests
         for key, events in selector.select(0.005):
             half = key.fileobj
             assert isinstance(half, socket.socket)
@@ -303,7 +303,7 @@ def certificate(folder: Path) -> Tuple[str, str]:
 
 
 def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Row]:
-    """Yields the rows for one way to serve the page."""
+    """Yields the rows for one case: the page with or without TLS."""
     operator, see = page.login('operate'), page.login('see')
     many = [f'127.0.3.{number + 1}' for number in range(200)]
     scheme = page.origin.partition(':')[0]

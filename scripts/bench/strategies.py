@@ -4,9 +4,10 @@
 The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and back to the
 dock, in simulated time. So the figures do not depend on this computer. For the floor, the robot
 drives to each destination on its own path, without a route, and need not pass the vertices between
-the destinations. Each figure is the median of runs that differ in the time of the robot's status.
-The strategy `rolling` was developed with the first mission. The second mission visits other places
-and has fewer turns. It shows whether the result also holds for a mission that was not used then.
+the destinations. Each figure is the median of runs that begin at different moments between two
+statuses of the robot. The strategy `rolling` was developed with the first mission. The second
+mission visits other places and has fewer turns. It shows whether the result also holds for a
+mission that was not used in development.
 """
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.ya
 MISSION = (18, 39, 52, 6, 16)
 ROBOT_NAME = 'omron_ld90'
 RUNS = 5
-# factor of the simulated LD-90's clock; on this clock, delays of our programs are longer by it
+# speed of the simulated LD-90's clock; on this clock, our delays are SPEED times as long
 SPEED = 4.0
 DRIVES = 20
 STEPS = 100
@@ -293,7 +293,8 @@ def load() -> Iterator[Row]:
 
 
 def flood(count: int) -> Iterator[Row]:
-    """Measures `count` simultaneous requests beside a fleet that drives, and a cancel among them.
+    """Measures answers to `count` simultaneous requests, and to a cancel among them, while a fleet
+    drives.
     """
     with Stack() as stack:
         files = stack.agv_fleet(FLOODED_AGVS)

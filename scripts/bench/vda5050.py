@@ -112,7 +112,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
         client.connect(broker.host, broker.port)
         client.loop_start()
     clients[1].subscribe('bare')
-    time.sleep(0.5)  # no call of both versions of paho shows that a subscription is in force
+    time.sleep(0.5)  # paho has no common call to see that a subscription is in force
     latencies = []
     for _ in range(CHANGES):
         event.clear()

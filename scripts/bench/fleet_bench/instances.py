@@ -102,7 +102,7 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
 
 
 def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
-    """Returns this number of edges between near vertices on an irregular grid; half are splines.
+    """Returns a graph with `edges` edges between neighbours on an irregular grid; half are splines.
     """
     random = Random(seed)
     columns = math.ceil(math.sqrt(vertices))

@@ -36,9 +36,9 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 
 
 class Operation(Run):
-    """A run in which each robot gets a new goal when it has reached the goal before.
+    """A run in which each robot gets a new goal when it has reached its previous goal.
 
-    waiting -- number of further missions, for any robot, that are requested at the start
+    waiting -- number of further missions that are requested at the start, for any robot
     """
 
     def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int,
@@ -102,6 +102,8 @@ def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequenc
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
                       rounds: int = 100) -> Tuple[Figures, Operation]:
-    """Returns an hour on the example laboratory's graph, with its edges cut at `longest` m."""
+    """Returns the result of an hour on the example laboratory's graph with edges cut at `longest`
+    m.
+    """
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
     return at_work(graph, kind, PARKING[:robots], STATIONS, seed, 3600.0, rounds)

@@ -2,7 +2,8 @@
 
 Each station is at the end of an edge and has no other exit. So the robots drive in and out one
 after the other, in the order of arrival. Everywhere else, a robot drives as if it were alone. No
-planner can do much better if each robot gets its next mission only when the last one has ended.
+planner can do much better if each robot gets its next mission only when its previous mission has
+ended.
 """
 from __future__ import annotations
 

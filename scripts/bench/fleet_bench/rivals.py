@@ -38,7 +38,8 @@ class Judged(NamedTuple):
     solved: bool
     """Whether a plan was found in time."""
     ratio: Optional[float]
-    """The plan's cost, with true durations, divided by the lower bound; None: it is not safe."""
+    """The plan's cost, with true durations, divided by the lower bound; None: the plan is not safe.
+    """
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:
@@ -101,7 +102,8 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
 
 def _in_order(graph: Graph, instance: Instance,
               paths: Sequence[Sequence[int]]) -> Optional[List[Tuple[str, int]]]:
-    """Returns (robot, drive) in order; None if robots follow each other in a ring."""
+    """Returns pairs (robot, drive) in a possible order; None if robots follow each other in a ring.
+    """
     drives: Dict[Tuple[int, int], int] = {}
     for k, edge in enumerate(graph.edges.values()):
         drives[edge.origin, edge.destination] = 2 * k

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""The floor of path_supervisor: receives the same reports, and answers those of one robot at once.
-"""
+"""The floor of path_supervisor: receives all reports, and answers each report of one robot."""
 from __future__ import annotations
 
 import sys
@@ -11,7 +10,8 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 
 
 def main() -> None:
-    """Runs the node. The arguments are names of robots; the reports of the first one are answered.
+    """Runs the node. The arguments are names of robots; the reports of the first robot are
+    answered.
     """
     rospy.init_node('bare_subscriber')
     first, *others = rospy.myargv(sys.argv)[1:]

@@ -1,4 +1,4 @@
-"""Keeps a number of missions open: sends a new mission for each one that ends.
+"""Keeps a number of missions open: sends a new mission for each mission that ends.
 
 Each robot on a ring has one long mission of many rounds.
 """

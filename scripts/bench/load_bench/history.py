@@ -1,4 +1,4 @@
-"""Measures the start, and a request, with a journal of a million ended missions."""
+"""Measures the supervisor's start, and its answer to a request, after a million ended missions."""
 from __future__ import annotations
 
 import json

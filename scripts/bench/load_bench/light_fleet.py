@@ -35,7 +35,8 @@ class Release(NamedTuple):
 
 
 class _Robot:
-    """One robot, its topics, and the time since when its reports show that it needs more edges."""
+    """One robot, its topics, and the time of the first report that shows that it needs more edges.
+    """
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  lock: threading.Lock) -> None:
@@ -66,7 +67,7 @@ class _Robot:
                                                 rospy.Time.now().to_nsec()))
 
     def _ahead(self) -> float:
-        """Returns the length (m) of its route that it has not driven yet."""
+        """Returns the length (m) of the part of its route that it has not driven yet."""
         agv = self.agv
         left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
         return left - (agv.arc if agv.is_driving else 0.0)

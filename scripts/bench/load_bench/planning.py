@@ -49,7 +49,7 @@ class _Site:
 
     def send(self, count: int, is_new: bool) -> None:
         """Gives new destinations to `count` robots: with `is_new` to robots without a destination,
-        otherwise to robots with one.
+        otherwise to robots that have one.
         """
         names = [name for name in self._places if (name in self.goals) != is_new]
         for name in self._random.sample(names, count):
@@ -95,7 +95,7 @@ def planning() -> Iterator[Row]:
 
 
 def _all_at_once(doors: int) -> _Answer:
-    """Returns the plan if all robots get their destinations at once."""
+    """Returns a plan in which all robots get their destinations at once."""
     site = _Site(doors)
     site.plan()
     site.send(ROBOTS, True)

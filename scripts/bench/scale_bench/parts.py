@@ -39,8 +39,8 @@ class Part:
 
     @property
     def cpu(self) -> float:
-        """CPU seconds so far: the exact sum of the present threads, or the sum of all threads that
-        have existed, in whole ticks, if it is larger.
+        """CPU seconds so far. For each process, the larger of two sums counts: the exact times of
+        the present threads, or the times in whole ticks of all threads that have existed.
         """
         return sum(max(cpu_seconds(pid), _whole_ticks(pid)) for pid in self.pids)
 

@@ -1,4 +1,4 @@
-"""Measures the time from the robot's byte to the subscriber; the benchmark plays this robot."""
+"""Measures how long a line takes from a robot to a subscriber; the benchmark plays the robot."""
 from __future__ import annotations
 
 import socket

@@ -53,7 +53,7 @@ AGVS = '''<launch>
 
 
 class Stack:
-    """A separate ROS master, and launch texts on it; for use in a `with` statement."""
+    """A separate ROS master, and launches under this master; for use in a `with` statement."""
 
     def __init__(self) -> None:
         self._context = ExitStack()

@@ -54,7 +54,7 @@ PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
                   'omron_ld90.bridge.last_word': _without_second_try},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}
-"""For each defect, the modules that it changes, each with the function that changes it."""
+"""By defect: the modules to change, each with the function that changes the module."""
 
 
 class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -66,7 +66,7 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def find_spec(self, name: str, path: Optional[Sequence[str]],
                   target: Optional[ModuleType] = None) -> Optional[importlib.machinery.ModuleSpec]:
-        """Returns the spec of the one module with this loader; None for all other modules."""
+        """Returns a spec with this loader for the module to change; None for all other modules."""
         if name != self._module:
             return None
         spec = importlib.machinery.PathFinder.find_spec(name, path, target)

@@ -24,10 +24,10 @@ from soaking.simulators import Simulators
 from soaking.work import SoakPlc
 from world.witness import Witness
 
-RECOVERS = 8.0  # s in which a robot can be reached again after a program or link is back
-MASTER_RECOVERS = 15.0  # s in which all nodes must register at a new ROS master
-SLOW = 0.15  # factor on the clock of LD-90s, so that they still drive when their link is back
-BRAKES = RECOVERS + 3.0 / SLOW  # s in which a slow LD-90 stands after the link is back
+RECOVERS = 8.0  # s within which a robot can be reached after a program or link is back
+MASTER_RECOVERS = 15.0  # s within which all nodes must register at a new ROS master
+SLOW = 0.15  # speed of the LD-90s' clocks: the robots still drive when their link is back
+BRAKES = RECOVERS + 3.0 / SLOW  # s within which a slow LD-90 stands still after the link is back
 OWED = 9.0  # s for which the soak watches an owed stop, including the grace of the witness
 CLEAR = 1.6  # m; a robot is carried only to a place that is further from all other robots
 ON_GRAPH = 0.35  # m from a vertex; a robot that is nearer counts as on the graph
@@ -133,7 +133,7 @@ class Disturbances:
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
-        """Causes disturbances until `ended` is set. Completes each one, and ends its fault.
+        """Causes disturbances until `ended` is set. Completes each disturbance, and ends its fault.
 
         only -- the kinds of disturbances to cause; empty: all kinds
         """
@@ -204,7 +204,8 @@ class Disturbances:
             if other != name)), places[0][0])
 
     def _roomiest_vertex(self, name: str) -> int:
-        """Returns the vertex that is farthest from its nearest robot, without robot `name`."""
+        """Returns the vertex that is farthest from its nearest robot; robot `name` does not count.
+        """
         others = [pose[:2] for other, pose in self._simulators.poses().items() if other != name]
         return max(self._hall.places, key=lambda id: min(
             (math.dist(self._hall.places[id], place) for place in others), default=0.0))
@@ -212,7 +213,7 @@ class Disturbances:
     # -- people ------------------------------------------------------------------------------------
 
     def help_robots(self) -> None:
-        """Acts as a person who lets each robot that needs a person join the fleet.
+        """Acts as a person: lets each robot that needs help join the fleet.
 
         If a robot cannot join where it stands, the person first carries it to a vertex.
         """

@@ -30,7 +30,8 @@ SERVICE = 3.0  # s to wait for a service
 
 
 class Fleet:
-    """Sends requests, receives statuses, and tells the witness of both. A lock guards the witness.
+    """Sends requests, receives statuses, and reports both to the witness. A lock guards the
+    witness.
 
     share -- share (0..1) of plan answers that are made wrong
     """

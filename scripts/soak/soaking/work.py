@@ -14,7 +14,7 @@ from typing import Set
 import plc
 from fleet_core.work.devices import KEY_REGISTERS
 
-logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the soak ends and kills it on purpose
+logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the soak kills the PLC on purpose
 
 PRESS, DOOR = 'press', 'door'
 HANDS_OVER = 3.0  # s
@@ -48,7 +48,7 @@ class SoakPlc(plc.Plc):
 
     @property
     def is_door_open(self) -> bool:
-        """Whether the door is open, as its output demands."""
+        """Whether the door is open: its output is set, and the PLC reports true states."""
         return self.coils.get(plc.COIL, False) and not self.lies
 
     def _set(self, address: int, value: bool) -> None:

@@ -1,5 +1,5 @@
-// The layers of the map, and their menu, which also explains the colours. This browser keeps the choice. Only while a
-// layer is shown, the server sends the entries of the layer, or the page asks for the layer's data.
+// The layers of the map, and their menu, which also explains the colours. This browser keeps the choice. The server
+// sends a layer's entries, or the page asks for its data, only while the layer is shown.
 import { $, make, narrow } from './dom.js';
 import { entries, get } from './server.js';
 import { store, stored, t } from './texts.js';

@@ -53,7 +53,7 @@ function begin() {
   followIfShown();
 }
 
-// A page that is not visible has no connection, because the browser has only six for all its pages.
+// A page that is not visible has no connection, because the browser has only six connections for all its pages.
 function followIfShown() {
   if (document.hidden) unfollow();
   else if (me.role) follow(wantedStreams, changed, showLogin);
@@ -131,7 +131,7 @@ function showLists() {
   showAlarms(me);
 }
 
-// Shows the numbers of robots and missions. A click on a number opens the list of what the number counts.
+// Shows the numbers of robots and missions. A click on a number opens the list of the robots or missions that it counts.
 function showCounts() {
   const counts = me.role && entries.get('counts');
   const opens = { open: () => openTab('missions'), done: () => openTab('history') };

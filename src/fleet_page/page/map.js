@@ -21,9 +21,9 @@ let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', pas
 let isFree = false; // whether the user has moved the view; it then stays when the window changes
 let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and their names; the boxes of the words of resources
-let areaSigns = []; // the boxes of the areas' names: a robot's label covers one only if there is no other place
+let areaSigns = []; // the boxes of the areas' names: a robot's label covers such a name only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
-let shownMarks = ''; // the marks around vertices, of which the vertices' names keep clear
+let shownMarks = ''; // the marks around vertices, which the names of the vertices avoid
 
 const hidden = { 'aria-hidden': 'true' };
 const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });
@@ -249,7 +249,8 @@ function drawFences(paint, colour) {
 const shownAreas = () => hasLayer('areas') ? Object.entries(entries.get('areas') || {}) : [];
 const edgesOf = ids => site.edges.filter(edge => ids.includes(edge[4]));
 
-// Draws one outline around all edges of each area: a broad line along the edges, whose inside is then removed.
+// Draws one outline around all edges of each area: a broad line along the edges; the inside of the line is then
+// removed.
 function outlineAreas(paint, ratio, closed, colour) {
   const areas = shownAreas();
   if (!areas.length) return;
@@ -304,7 +305,7 @@ function drawAreas() {
   if (kept) [...areaLayer.children].find(one => one.dataset.key === kept)?.focus();
 }
 
-// Names of places choose first. A name without room is left out until the user zooms in.
+// The names of places are placed first. A name without room is left out until the user zooms in.
 function drawNames(paint, radius) {
   const places = new Places(size.width, size.height), texts = [], marks = marksAround();
   fixed = [];
@@ -399,7 +400,7 @@ function dropRobots(wanted) {
 
 // A robot's label keeps its side while this side is free. It may cover vertices and other names, but no other robot. A
 // label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble
-// choose first, and are always shown.
+// are placed first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
   coverControls(places);
@@ -466,7 +467,8 @@ export function robotWords(robot) {
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
 }
 
-// Returns why a robot does not work or drive; from its code if the words come from the robot.
+// Returns why a robot does not work or drive. If no translation of the reason is known, the text of the outage's code
+// comes first.
 export function outageWords(robot) {
   const words = said(robot.waits_for), code = robot.outage;
   const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);
@@ -514,8 +516,8 @@ function drawPlans() {
   planLayer.replaceChildren(...shapes);
 }
 
-// Draws the places that each robot may occupy, as broad as the robot: the part of each edge that is not behind the robot,
-// its vertex, and other places.
+// Draws the places that each robot may occupy, as broad as the robot: the part of each edge that is not behind the
+// robot, its vertex, and other places.
 function drawAllocations() {
   const shapes = [];
   for (const [name, [holds, vertex, places]] of all('allocation:')) {

@@ -222,8 +222,8 @@ function edit(id) {
 
 const canAnswer = (mission, person) => Boolean(mission.asks) && person.role !== 'see';
 
-// Returns the reason of a mission's state. If the person has buttons to answer, it does not name the command for the
-// same act.
+// Returns the reason of a mission's state. If the person has buttons to answer, the text does not name the command
+// for the same act.
 export const reasonWords = (mission, person) => said(mission.reason || '', canAnswer(mission, person));
 
 // Returns buttons for the possible answers to a step. A step that only waits until a person has done it has no retry.

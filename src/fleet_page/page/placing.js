@@ -1,8 +1,8 @@
 // Finds places for texts beside their points, so that no text covers another.
 //
 // A text gets the first of its places that is free, as in rviz_drawing, which places the texts of RViz and of the
-// editor. If no place is free, `text.may` says what the text may cover: soft boxes, or all boxes. It then gets the place
-// where it covers least.
+// editor. If no place is free, `text.may` says what the text may cover: soft boxes, or all boxes. The text then gets
+// the place where it covers least.
 export const ABOVE_FIRST = [[0, -1], [0, 1], [1, 0], [-1, 0], [1, -1], [-1, -1], [1, 1], [-1, 1]];
 export const BELOW_RIGHT_FIRST = [[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]];
 const CELL = 64; // px of the grid in which neighbours are found
@@ -23,8 +23,8 @@ export class Places {
   }
 
   // Returns the side of a text, as an index in `sides`; -1: there is no place for the text.
-  // text: x, y of its point, distance `away` from the point, width, height, and `may`: what it may cover ('soft', 'all';
-  // without `may` nothing); before: the side where the text was.
+  // text: x, y of its point, distance `away` from the point, width, height, and `may`: what it may cover ('soft',
+  // 'all'; without `may` nothing); before: the side where the text was.
   place(text, sides, before = -1) {
     const order = before < 0 ? sides.keys() : [before, ...[...sides.keys()].filter(side => side !== before)];
     let best = -1, least = { firm: Infinity, soft: Infinity };

@@ -21,7 +21,7 @@ export function drawResources(view) {
   return placeTexts(texts, view);
 }
 
-// Returns the places of a station or group if a mission may name it; none for a station whose places are not equal.
+// Returns the places of a station or group if a mission may name it; empty for a station with places that are not equal.
 export function stationPlaces(name) {
   const station = entries.get(`resource:${name}`);
   return station && station.kind === 'STATION' && (station.is_group || station.vertices.length === 1) ? station.vertices : [];
@@ -43,7 +43,7 @@ export function marksAround() {
 // Returns the distance (px) from a vertex to the outer edge of the mark around it; 0: there is no mark.
 export const reachOf = (mark, scale) => mark ? halfOf(mark, { scale }) : 0;
 
-// Texts choose in this order: names of stations, doors and machines, then those of queue places. They cover rings only
+// Texts are placed in this order: names of stations, doors and machines, then names of queue places. They cover rings only
 // if there is no other place.
 function placeTexts(texts, view) {
   const boxes = [];

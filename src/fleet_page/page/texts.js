@@ -8,7 +8,7 @@ const textsOf = async name => (await fetch(`/page/${name}.json`)).json();
 export async function useLanguage(wanted) {
   const name = LANGUAGES.includes(wanted) ? wanted : 'en', english = textsOf('en');
   const [own, spoken] = await Promise.all([name === 'en' ? english : textsOf(name), english]);
-  // The language's name and the texts change together, so a list that is shown meanwhile is marked as its language.
+  // The language's name and the texts change together, so a list that is shown meanwhile is marked with the right language.
   language = name; table = own; patterns = patternsOf(spoken);
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);

@@ -1,4 +1,5 @@
-"""A real Chromium without a display, and a page that a thread serves to it, without ROS."""
+"""A real Chromium without a display, and a page that a thread serves to this browser, without ROS.
+"""
 from __future__ import annotations
 
 import asyncio

@@ -1,6 +1,6 @@
 """Finds texts of the page that are cut off, that lie on each other, or that lie outside the window.
 
-Of an area that scrolls, only the visible part counts. Labels of robots may cover names on the map.
+Only the visible part of an area that scrolls counts. Labels of robots may cover names on the map.
 """
 from __future__ import annotations
 

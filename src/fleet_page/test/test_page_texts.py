@@ -107,7 +107,9 @@ def said_by_the_fleet_manager():
 
 
 def texts_in(tree):
-    """Yields all texts in Python code with {} for inserted values, and the parts between them."""
+    """Yields all texts in Python code with {} for inserted values, and the parts between these
+    values.
+    """
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr):
             yield ''.join(part.value if isinstance(part, ast.Constant) else '{}'

@@ -80,7 +80,7 @@ def test_closed_edges_of_1_0_0_stay_closed(home):
 
 
 def test_the_graph_in_force_of_1_0_0_is_known_after_the_update(home):
-    """If the graph file has changed since, the first start waits for the robots' reports."""
+    """If the graph file has changed since then, the first start waits for the robots' reports."""
     file, kept = home.parent / 'site/graph.yaml', home / 'graph_fleet_manager/graph_in_force.yaml'
     kept.write_text(kept.read_text().replace('/tmp/hall', str(file.parent)))
     assert not GraphInForce(str(kept)).must_hear_robots(str(file))

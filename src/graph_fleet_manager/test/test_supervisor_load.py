@@ -184,7 +184,7 @@ def test_robots_get_edges_while_the_planner_works_for_others():
 
 
 def test_an_answer_by_which_another_robot_goes_first_is_not_used():
-    """During the planning, a gets a grant for a place that b must leave first in the new plan."""
+    """While the planner works, `a` is granted a place that in the new plan `b` must leave first."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.0)
     fleet.run(1.0)
     fleet.request(1, 4, robot='a')

@@ -33,7 +33,7 @@ static void die(const char *what)
     exit(EXIT_FAILURE);
 }
 
-/* The host of a launch is the one with the same parent; see node_host/address.py. */
+/* The host of a launch has the same parent as this process; see node_host/address.py. */
 static socklen_t host_address(struct sockaddr_un *address)
 {
     char space[64];

@@ -1,8 +1,8 @@
 """Distinguishes requests of web browsers from requests of programs.
 
-Any web page can make the browser that shows it send requests to every address that the browser
-reaches: to a ROS master, a ROS node, or a control port. The page cannot read the answer, but the
-request would be carried out. These rules recognise such requests:
+A browser that shows a web page sends the page's requests to every address that the browser reaches:
+to a ROS master, a ROS node, or a control port. The page cannot read the answer, but the request
+would be carried out. These rules recognise such requests:
 
 - The first line of an HTTP request is no line of a line protocol (`is_http_request`).
 - An XML-RPC server of ROS refuses requests that programs of ROS never send (`reason_to_refuse`). A
@@ -32,9 +32,7 @@ def is_http_request(first_line: bytes) -> bool:
 
 
 def is_from_browser(names: Iterable[str]) -> bool:
-    """Returns whether headers with these names belong to a request that a web page makes a browser
-    send.
-    """
+    """Returns whether headers with these names come from a browser that runs a web page."""
     return any(name.lower().startswith(_OF_BROWSERS) for name in names)
 
 

@@ -15,8 +15,8 @@ def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
 
     If `key` is empty, the key is in the certificate's file.
 
-    Raises WrongCertificate, also for a key with a password, because no person can enter it, and for
-    a key that every user of the computer may read.
+    Raises WrongCertificate, also for two kinds of keys: a key with a password, which no person can
+    enter, and a key that every user of the computer may read.
     """
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     context.minimum_version = ssl.TLSVersion.TLSv1_2

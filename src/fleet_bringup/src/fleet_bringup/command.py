@@ -113,7 +113,7 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
 
 
 def laboratory_folder(package: str) -> str:
-    """Returns the folder with the map and the graph of the laboratory: in the folder of the
+    """Returns the folder with the map and the graph of the laboratory. It is in the folder of the
     installed package omron_ld90, or at the top of the repository.
     """
     installed = os.path.join(package, 'maps')

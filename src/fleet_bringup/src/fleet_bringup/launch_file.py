@@ -25,8 +25,8 @@ SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: $
 TRAVEL, HAND_OVER = 3.0, 3.0
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The program that stands for a fork of the node host, as an argument of the launch file, because
-#: `$(find ...)` does not work in a quoted text.
+#: An argument of the launch file: the program that takes the place of a fork of the node host. It
+#: is an argument because `$(find ...)` does not work in a quoted text.
 HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
 #: The attributes that turn a node into a fork. roslaunch splits the prefix at blanks.
 HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
@@ -77,7 +77,7 @@ def _simulators(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSi
         _ld90_simulator(root, site, options, files)
         for entry in entries:
             if entry.robot.driver == LD90 and entry.is_simulated:
-                # so the controllers remember no robots of an earlier run
+                # so that the controllers remember no robots of an earlier run
                 ET.SubElement(root, 'param', name=f'{entry.name}/omron_controller/robot_id',
                               type='str', value='$(anon simulator)')
     if any(entry.robot.driver == AGV for entry in entries):
@@ -122,8 +122,8 @@ def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
-    """Returns the files in which the fleet manager keeps data; empty for real robots, for which it
-    uses its default files.
+    """Returns the files in which the fleet manager keeps data; empty for real robots: the fleet
+    manager then uses its default files.
     """
     return {name: files[key] for name, key in (
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}

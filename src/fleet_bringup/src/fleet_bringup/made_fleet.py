@@ -10,7 +10,7 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: Released metres ahead of a robot, by type: for braking, and for driving until the next order.
+#: By type: m released ahead of a robot, for braking and for driving until the next order.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 
@@ -37,7 +37,8 @@ def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
     """Returns vertices, without docks, on which robots of the largest type may all stand for ever.
 
-    The search ends when it has found `enough` vertices. The result has fewer if there are no more.
+    The search ends when it has found `enough` vertices. The result has fewer vertices if the graph
+    has no more.
     """
     largest = max(types, key=lambda kind: kind.reach)
     network = RoadNetwork(graph)

@@ -1,4 +1,4 @@
-"""The keys of a fleet file that only the start of the robots needs.
+"""The keys of a fleet file that are needed only to start the robots.
 
     robots:
     - {name: ld90_1, type: ld90, vertex: 16, driver: ld90, host: 10.0.0.5, arcl_port: 7171,

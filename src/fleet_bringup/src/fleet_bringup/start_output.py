@@ -6,8 +6,8 @@ roslaunch and the nodes of a fleet print some hundred lines at a start. This pro
 for each stage, all warnings and errors, and the line that says what is ready. After that line it
 shows everything that nodes print. After Ctrl-C it shows errors only. It decides only what is shown:
 ROS keeps all lines in its log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, even if
-they come before roslaunch runs. Its exit status is that of roslaunch. If its own output is closed,
-it ends roslaunch.
+they come before roslaunch runs. It exits with the status of roslaunch. If its own output is
+closed, it ends roslaunch.
 
 It recognises the kind of a line by the fields of its form (`screen_lines`), never by its words. The
 user can set another form in ROSCONSOLE_FORMAT; lines in that form are all shown.
@@ -70,7 +70,7 @@ class StartOutput:
     def __init__(self) -> None:
         self.state = StartState.STARTING
         self._nodes = 0
-        self._traceback: List[str] = []  # the part, so far, of a traceback due to Ctrl-C
+        self._traceback: List[str] = []  # the lines so far of a traceback after Ctrl-C
 
     def end(self) -> None:
         """Notes that a person has ended the launch."""
@@ -157,7 +157,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     signals = PassedSignals(output)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signals.receive)
-    # In its own process group: otherwise it would get Ctrl-C from the terminal and from here.
+    # It has its own process group. Otherwise it would get Ctrl-C twice: from the terminal and from
+    # here.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],

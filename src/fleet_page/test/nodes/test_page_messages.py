@@ -144,7 +144,7 @@ def test_an_allocation_has_its_edges_its_vertex_and_its_other_places():
 
 
 def laser(places: Any) -> PointCloud2:
-    """Returns a cloud in the layout of the receiver of laser data."""
+    """Returns a cloud in the layout in which the robot's nodes publish a laser scan."""
     data = np.array(places, '<f4').reshape(-1, 3)
     fields = [PointField(name, 4 * k, PointField.FLOAT32, 1) for k, name in enumerate('xyz')]
     return PointCloud2(height=1, width=len(data), fields=fields, point_step=12,

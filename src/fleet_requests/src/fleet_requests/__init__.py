@@ -17,7 +17,7 @@ from itrci_nav_msgs.msg import (
 )
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
-SILENCE = 10.0  # s without news of a mission, after which its sender asks for its status
+SILENCE = 10.0  # s without news of a mission, after which the sender asks for the status
 WAIT = 1.0      # s to wait for a service, which may not exist
 _NEW_ID = random.SystemRandom()
 

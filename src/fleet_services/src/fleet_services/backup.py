@@ -145,8 +145,8 @@ def _services(home: Path) -> List[int]:
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """Returns the user with whose rights a folder of state is used: the owner of ROS_HOME, or the
-    owner of the folder if root owns ROS_HOME.
+    """Returns the user whose rights are used for work in a folder of state: the owner of ROS_HOME,
+    or, if root owns ROS_HOME, the owner of the folder.
 
     A user that owns ROS_HOME may have put a link in place of the folder.
     """
@@ -190,7 +190,7 @@ def _copy_state(path: Path, into: IO[bytes]) -> None:
 
 
 def _write(archive: Path, contents: Contents) -> None:
-    """Writes the whole archive, or keeps the old one."""
+    """Writes the archive completely; if this fails, the old archive stays."""
     with tempfile.TemporaryFile() as whole:
         with tarfile.open(fileobj=whole, mode='w:gz') as target:
             for name, content in contents.items():
@@ -277,8 +277,7 @@ def _renew_journal(journal: Path, content: IO[bytes], said: IO[bytes]) -> None:
 
 
 def _put(place: Path, content: IO[bytes]) -> None:
-    """Puts a file in its place. Keeps the old file; if it is an SQLite file, its log is kept, too.
-    """
+    """Puts a file in its place. Keeps the old file, and also the log of an old SQLite file."""
     place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     kept = place.with_name(place.name + KEPT)
     for ending in ('-wal', '-shm'):

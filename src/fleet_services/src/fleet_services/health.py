@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Dict, FrozenSet, Iterable
 
-PATIENCE = 15.0  # s; a unit counts as hung if one of its nodes sends no good report for longer
+PATIENCE = 15.0  # s; a unit counts as hung if one of its nodes sends no good report for so long
 
 
 class Health:

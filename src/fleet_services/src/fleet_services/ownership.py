@@ -1,4 +1,4 @@
-"""Does work in the folders of other users with their rights, never with those of root.
+"""Does work in the folders of other users with their rights, never with the rights of root.
 
 A user can put a link into its own folder at any time. A program with the rights of root that works
 in this folder would read or write the file that the link names. A process with the rights of the
@@ -112,7 +112,7 @@ def copy_regular(path: Path, into: IO[bytes], follows: bool = False) -> None:
 
 
 def copy_all(source: IO[bytes], into: IO[bytes]) -> None:
-    """Copies the rest of a file, and flushes it for other processes that have the copy open."""
+    """Copies the rest of a file, and flushes the copy for other processes that have it open."""
     block = source.read(_BLOCK)
     while block:
         into.write(block)

@@ -119,8 +119,8 @@ def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[s
 
 
 def _with(known: Optional[Tuple[str, ...]], hosts: Sequence[str]) -> Optional[Tuple[str, ...]]:
-    """Returns the addresses `known` and those of `hosts`; None if a host has a name, because only
-    DNS knows its address.
+    """Returns `known` and the addresses of `hosts`; None if a host has a name, because only DNS
+    knows its address.
     """
     if known is None:
         return None

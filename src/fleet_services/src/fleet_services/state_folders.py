@@ -23,7 +23,7 @@ UNITS: Mapping[str, str] = {'graph_fleet_manager': MANAGER, 'fleet_page': PAGE}
 ROBOTS = 'omron_ld90'
 _ENDINGS = ('_route.json', '_motion.json')
 _LOCK = '.lock'
-#: Files of roscore: its process id.
+#: Files in which roscore stores its process id.
 _PROCESS_IDS = 'roscore-*.pid'
 _FOLDER, _FILE = 0o700, 0o600  # modes of the folders and files in the folder of a unit
 
@@ -88,9 +88,9 @@ def move(moves: Moves) -> None:
 
 
 def make_private(folder: Path) -> None:
-    """Sets the modes of a unit's folder, and of all files of this user in it, according to the
-    table in docs/explanation/security.md. Files of version 1.0.0 have other modes. No link is
-    followed.
+    """Sets the modes of a unit's folder, and of all its files that belong to this user, according
+    to the table in docs/explanation/security.md. Files of version 1.0.0 have other modes. No link
+    is followed.
     """
     folder.chmod(_FOLDER)
     for path, folders, files in os.walk(folder):

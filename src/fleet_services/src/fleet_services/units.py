@@ -117,7 +117,7 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         f'LogsDirectory=fleet/{own}', 'LogsDirectoryMode=0700',
         f'RuntimeDirectory=fleet-{system.site}-{service.name}', 'RuntimeDirectoryMode=0700',
         'RuntimeDirectoryPreserve=yes',
-        # Of the folders of all sites and units, a unit sees only its own.
+        # A unit sees only its own folders, not those of other sites and units.
         'TemporaryFileSystem=%S/fleet:ro %L/fleet:ro', f'BindPaths={state} {logs}',
         *(f'BindReadOnlyPaths=-%S/fleet/{system.site}/{other}' for other in service.reads),
         f'WorkingDirectory={state}', f'ExecStart={service.command}',

@@ -58,7 +58,7 @@ def installed(site: Path, root: Path) -> Path:
 
 @pytest.fixture(autouse=True, scope='module')
 def systemd() -> Iterator[None]:
-    """Sets the version of systemd to that of Debian 12, on every machine."""
+    """Makes every machine seem to have the version of systemd that Debian 12 has."""
     before = command.systemd_version
     command.systemd_version = lambda: 252
     yield

@@ -58,7 +58,7 @@ def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected
 
 
 class Publisher:
-    """Keeps the published messages; these nodes subscribe to it."""
+    """A topic that keeps the published messages; the given nodes subscribe to it."""
 
     def __init__(self, *subscribers: str) -> None:
         self.sent: List[Any] = []
@@ -157,7 +157,7 @@ def test_the_menu_of_a_robot_has_answers_while_its_step_asks(monkeypatch):
     before = titles()[MenuAct.RETRY.value]
     shown.show_robots(here, {'a': Ask(9, ANSWERS[1:])})
     assert MenuAct.RETRY.value not in titles()
-    for entry in (before, titles()[MenuAct.SKIP.value]):  # `before`: of a menu that is still open
+    for entry in (before, titles()[MenuAct.SKIP.value]):  # `before`: entry of an open menu
         shown._menus['robot a'].processFeedback(InteractiveMarkerFeedback(menu_entry_id=entry))
     assert chosen == [(MenuAct.RETRY, Subject(robot='a', step=5)),
                       (MenuAct.SKIP, Subject(robot='a', step=9))]

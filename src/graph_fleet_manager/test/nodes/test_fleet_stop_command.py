@@ -123,7 +123,7 @@ def test_a_damaged_file_is_no_crash(noted):
 
 
 class Route:
-    """A robot's topic for routes, as rospy publishes to it. Only robots in `connected` get them."""
+    """Replaces rospy's publisher of a robot's routes. Only robots in `connected` get routes."""
 
     routes: dict = {}
     connected: tuple = ()

@@ -1,4 +1,4 @@
-"""If a new graph does not fit the work file, nothing is granted by the old graph any more."""
+"""If a new graph does not fit the work file, nothing is granted on the old graph any more."""
 from __future__ import annotations
 
 from types import SimpleNamespace

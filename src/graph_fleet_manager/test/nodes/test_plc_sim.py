@@ -1,4 +1,5 @@
-"""The simulated PLC answers each hand-over when it is due, until a status shows the answer."""
+"""The simulated PLC answers each hand-over in time, and repeats an answer until a status shows it.
+"""
 from __future__ import annotations
 
 import threading

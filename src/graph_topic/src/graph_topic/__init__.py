@@ -19,13 +19,13 @@ OnGraph = Callable[[Graph, rospy.Time], None]
 
 
 class FollowedGraph:
-    """Keeps the graph in force: that of the last valid message; before the first one, `graph`.
+    """Keeps the graph in force: the graph of the last valid message or, before that, `graph`.
 
     A message without a valid graph is refused with a warning, and the graph in force stays.
 
     on_graph   -- called in a thread of ROS with each new graph and the stamp of its message
     graph      -- the graph in force before the first message
-    each       -- whether `on_graph` is also called if a valid message has the graph in force
+    each       -- whether `on_graph` is also called if a valid message has the same graph again
     on_refused -- called with the reason why a message is refused
     """
 

@@ -62,7 +62,8 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
 
 
 def _show_as(arguments: Sequence[str]) -> None:
-    """Shows the program's own command line in process lists, cut to the length of the host's."""
+    """Shows the program's own command line in process lists, cut to the length of the host's line.
+    """
     _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(arguments[0])))
     with open('/proc/self/stat', encoding='utf-8') as stat:
         begin, end = map(int, stat.read().rsplit(')', 1)[1].split()[45:47])
@@ -71,7 +72,7 @@ def _show_as(arguments: Sequence[str]) -> None:
 
 
 def _draw_other_random_numbers() -> None:
-    """Seeds numpy's generator again, because a fork does this only for Python's own generator."""
+    """Seeds numpy's generator again: in a fork, Python does this only for its own generator."""
     numpy_random = sys.modules.get('numpy.random')
     if numpy_random is not None:
         numpy_random.seed()

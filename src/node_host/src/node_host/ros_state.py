@@ -16,7 +16,7 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 
 
 def prepare() -> None:
-    """Does work once in the host that each node would otherwise do in its own memory.
+    """Does once, in the host, the work that each node would otherwise do in its own memory.
 
     With the environment variable, a rospy node need not search all packages for its logging
     configuration. The other calls import modules or fill Python's caches, which saves 4 MB in each
@@ -50,7 +50,7 @@ def _places() -> Iterator[str]:
 
 
 def read_names() -> None:
-    """Reads a fork's remappings and namespace, because rospy has only read those of the host."""
+    """Reads a fork's remappings and namespace, because rospy has read only the host's."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

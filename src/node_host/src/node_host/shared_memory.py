@@ -1,4 +1,4 @@
-"""Separates memory that forks share from memory to which they write.
+"""Separates the memory that forks only read from the memory that they write.
 
 Python and the C library put new objects into the holes between the objects of the host. If a fork
 writes into a hole, the kernel copies the whole page, with all shared data on the page. So the host
@@ -30,6 +30,6 @@ def fill_holes() -> None:
 
 
 def give_back() -> None:
-    """Gives the memory that the start of a program has used and freed back to the system."""
+    """Returns to the system the memory that the start of a program has used and freed."""
     gc.collect()
     _LIBC.malloc_trim(0)

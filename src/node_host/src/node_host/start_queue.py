@@ -25,7 +25,9 @@ class _Waiting(Generic[Key]):
 
 
 class StartQueue(Generic[Key]):
-    """A queue. A key identifies one run, and an identity one program. Times are monotonic, in s."""
+    """A queue. A key stands for one run, and an identity stands for one program. Times are
+    monotonic, in s.
+    """
 
     def __init__(self, at_a_time: int = AT_A_TIME) -> None:
         self._at_a_time = at_a_time
@@ -54,8 +56,8 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Returns the seconds until `next` may return a program if no further event comes; None: it
-        returns none without a further event.
+        """Returns the seconds until `next` may return a program, if no other event comes before;
+        None: `next` returns no program before another event.
         """
         if not self._waiting:
             return None

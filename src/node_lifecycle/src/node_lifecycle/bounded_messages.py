@@ -40,7 +40,7 @@ def limit_messages() -> None:
     if not hasattr(TCPROSTransportProtocol.read_messages, '__wrapped__'):
         TCPROSSub.read_messages = leaving_out(TCPROSTransportProtocol.read_messages)
         TCPROSTransportProtocol.read_messages = ending(TCPROSTransportProtocol.read_messages, 0)
-        # before a service's answer comes one byte, which says whether the service succeeded
+        # one byte precedes a service's answer: it says whether the service succeeded
         TCPROSServiceClient.read_messages = ending(TCPROSServiceClient.read_messages, 1)
         tcpros_base.read_ros_handshake_header = bounded_header(
             tcpros_base.read_ros_handshake_header)

@@ -12,7 +12,7 @@ PERIOD = 10.0  # s
 
 
 class LogThrottle:
-    """Passes few messages of each kind, and counts the omitted ones."""
+    """Passes few messages of each kind, and counts the omitted messages."""
 
     def __init__(self, burst: int = BURST, period: float = PERIOD,
                  clock: Callable[[], float] = time.monotonic) -> None:

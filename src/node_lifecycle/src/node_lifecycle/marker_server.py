@@ -1,4 +1,4 @@
-"""An interactive marker server whose markers RViz does not lose, and that is fast with many.
+"""An interactive marker server that is fast, and whose markers RViz does not lose.
 
 Import it from here, not from `node_lifecycle`, because most nodes have no markers.
 """

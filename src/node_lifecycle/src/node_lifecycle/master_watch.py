@@ -115,7 +115,8 @@ class ThisNode:
 
 
 def _registrations() -> Set[Tuple[str, str, str]]:
-    """Returns the kind, the name, and the type or URI of each registration of this node at rospy.
+    """Returns the kind, the name, and the type or URI of each registration that rospy has for this
+    node.
     """
     topics, services = get_topic_manager(), get_service_manager()
     return {(kind, name, type_or_uri) for kind, entries in (

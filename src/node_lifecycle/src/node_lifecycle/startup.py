@@ -29,7 +29,7 @@ from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
 MASTER_PERIOD = 0.3  # s between two checks for a ROS master
-END_WITHIN = 3.0  # s after SIGINT or SIGTERM in which the process ends, even if rospy does not
+END_WITHIN = 3.0  # s after SIGINT or SIGTERM within which the process ends, even if rospy hangs
 
 
 def run(name: str, start: Callable[[], Any],
@@ -41,8 +41,8 @@ def run(name: str, start: Callable[[], Any],
     If `start` raises ConfigurationError, `misconfigured` is called with the reason, so that a node
     can report the reason on its own topics; the result of `misconfigured` is kept alive, too. The
     watchdog watches the threads in the package of `start` and in `libraries`. A new ROS master gets
-    the parameters that `parameter` has read, and all private parameters. Exceptions are those that
-    the node itself has `written`.
+    the parameters that `parameter` has read, and all private parameters except those in `written`,
+    which the node itself writes.
     """
     init_node(name)
     KEPT.keep(rospy.get_name(), rospy.get_param(rospy.get_name(), {}),
@@ -75,7 +75,7 @@ def run(name: str, start: Callable[[], Any],
 def init_node(name: str) -> None:
     """Initializes a node as soon as there is a ROS master; SIGINT and SIGTERM end it from now on.
 
-    For nodes whose main thread cannot run `run`, e.g. nodes with a window.
+    It is for nodes whose main thread cannot run `run`, e.g. nodes with a window.
     """
     _end_on_signals()
     _wait_for_master()

@@ -4,7 +4,8 @@
   again after 1, 3, 7 and 15 s. So a latched message may come that late.
 - A subscriber may be told of a publisher twice, for example when another publisher of the topic
   appears. It then makes two connections at once. Each side drops the connection that it considers
-  older. If the two sides drop different ones, no connection is left, and rospy makes no new one.
+  older. If the two sides drop different connections, no connection is left, and rospy makes no new
+  one.
 - A node's server reads the headers of connections one after the other, without a time limit. All
   other clients are blocked by a client that sends no header, or that sends an XML-RPC call for an
   earlier node on this port.
@@ -21,7 +22,7 @@ from weakref import WeakValueDictionary
 from rospy.impl.masterslave import ROSHandler
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
-HEADER_WITHIN = 10.0  # s after connecting in which a client must send the header
+HEADER_WITHIN = 10.0  # s after connecting within which a client must send the header
 
 Connect = Callable[[Any, str, str], Any]
 Welcome = Callable[[Any, socket, Any], Any]
@@ -65,7 +66,8 @@ def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
 
 
 def each_by_itself(welcome: Welcome) -> Welcome:
-    """Wraps `welcome` so that each client has its own thread. Without a header, the thread ends."""
+    """Wraps `welcome` so that each client has its own thread. If no header comes, the thread ends.
+    """
     def within_time(server: Any, client: socket, address: Any) -> None:
         before = client.gettimeout()
         client.settimeout(HEADER_WITHIN)

@@ -97,7 +97,7 @@ def _frames(innermost: FrameType) -> Iterator[FrameType]:
 
 _THREADING = os.path.join(sysconfig.get_paths()['stdlib'], 'threading.py')
 _SELECTORS = os.path.join(sysconfig.get_paths()['stdlib'], 'selectors.py')
-_EVENTS = ('wait', '_wait_for_tstate_lock')  # functions of threading; waiting for locks differs
+_EVENTS = ('wait', '_wait_for_tstate_lock')  # threading's waits for events, not for locks
 
 
 def _waits(frame: FrameType) -> bool:

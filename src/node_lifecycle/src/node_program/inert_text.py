@@ -11,7 +11,7 @@ import sys
 from typing import Any
 
 LONGEST_ENTRY = 4000
-"""Largest number of characters in a log entry. Of a longer entry, the rest is only counted."""
+"""Largest number of characters in a log entry. The rest of a longer entry is only counted."""
 
 # C0 and C1 except tab and line feed, and characters that change the order of letters in a line
 _ACTIVE = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]')

@@ -68,8 +68,7 @@ def _without_values(node: ast.AST) -> Tuple[ast.AST, ...]:
 
 
 def _messages(name: str) -> Iterator[str]:
-    """Yields the types of the transmitted messages for the class of a message, service or action.
-    """
+    """Yields the types of messages that are transmitted for a message, service or action class."""
     module, _, kind = name.rpartition('.')
     cls: Any = getattr(import_module(module), kind)
     if hasattr(cls, '_request_class'):

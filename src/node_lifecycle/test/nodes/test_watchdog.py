@@ -91,7 +91,7 @@ def test_threads_that_wait_for_something_to_do_do_not_stand_still(running):
 
 
 def test_no_thread_waits_without_an_end_in_a_queue_that_cannot_be_watched():
-    """A SimpleQueue waits outside `threading`, so a thread that waits for one would be reported."""
+    """A SimpleQueue waits outside `threading`, so a thread that waits there would be reported."""
     sources = Path(__file__).resolve().parents[3].glob('*/src/**/*.py')
     users = [path.name for path in sources if 'SimpleQueue' in path.read_text(encoding='utf-8')]
     assert users == ['event_loop.py']  # each wait in this file has a time limit

@@ -1,4 +1,4 @@
-"""The process ends if a thread fails that the node cannot do without."""
+"""If a thread fails without which the node cannot work, the process ends."""
 from __future__ import annotations
 
 from typing import Callable, List

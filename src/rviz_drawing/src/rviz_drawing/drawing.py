@@ -48,7 +48,7 @@ def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,
           frame: str = FRAME) -> Marker:
     """Returns a marker; without `pose` it is at the frame's origin.
 
-    `size` is the marker's `scale`, with the meaning that this `kind` gives it.
+    `size` is the marker's `scale`; its meaning depends on `kind`.
     """
     marker = Marker(type=kind, ns=namespace, id=number, color=paint, scale=Vector3(*size),
                     pose=pose or pose_at((0.0, 0.0)))

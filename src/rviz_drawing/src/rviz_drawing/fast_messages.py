@@ -3,8 +3,8 @@
 Plain messages are too slow, and a node that shows a large map would block for seconds. To serialize
 the 44,440 points of a real map takes 120 ms as Point objects, but 2 ms as an array. A grid of 2
 million cells takes 50 ms as a list, but 0.2 ms as an array. A list of numbers also needs eight
-times the memory. The bytes on the wire are those of the plain message: its list is empty, and is
-replaced by the array.
+times the memory. The bytes on the wire are the same as those of a plain message. The list of the
+message is empty; the array is written in its place.
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PointsMarker(Marker):
 
 
 class FastMarkerArray(MarkerArray):
-    """An array of markers. Each of them may be a PointsMarker, because each one writes itself."""
+    """An array of markers. Each marker may be a PointsMarker, because each marker writes itself."""
 
     def serialize(self, buff: io.BytesIO) -> None:
         """Writes the message to `buff`."""
@@ -77,7 +77,8 @@ class LoadGridResponse(LoadMapResponse):
 
 
 def _write(buff: io.BytesIO, plain: memoryview, after: int, elements: np.ndarray) -> None:
-    """Writes `plain` with `elements` in place of an empty array, after which `after` bytes follow.
+    """Writes `plain`, but `elements` in place of its empty array, which is before the last `after`
+    bytes.
     """
     end = len(plain) - after
     buff.write(plain[:end - _LENGTH.size])

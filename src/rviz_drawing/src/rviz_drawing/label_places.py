@@ -1,8 +1,8 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label keeps its side while this side is free. If no side is free, it covers edges rather than
-names and rings of vertices and stations, and other labels and robots only as a last choice
-(`placing`).
+A label keeps its side while this side is free. If no side is free, it covers edges if possible,
+otherwise names and rings of vertices and stations. It covers other labels and robots only as a last
+choice (`placing`).
 """
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Label:
 
 
 class LabelPlaces:
-    """Remembers the side of each robot on which its label is drawn."""
+    """Remembers for each robot the side on which its label is drawn."""
 
     def __init__(self) -> None:
         self._sides: Dict[str, int] = {}
@@ -67,7 +67,7 @@ class LabelPlaces:
                beneath: Optional[Places] = None) -> None:
         """Chooses the sides for the present positions.
 
-        labels  -- by name of the robot; earlier labels choose first
+        labels  -- by name of the robot; earlier labels are placed first
         window  -- the area that people see; None: it is not known
         names   -- boxes of names and of rings, which a label may cover if it must
         buttons -- boxes of buttons, which no label should cover
@@ -76,7 +76,8 @@ class LabelPlaces:
         places = Places(window, beneath=beneath)
         for box in names:
             places.cover(box, is_soft=True, weight=NAME_WEIGHT)
-        # The square within the robot's disc: with a larger one, no label at a corner would be free.
+        # The square within the robot's disc. With a larger square, no label at a corner would be
+        # free.
         for box in (*buttons, *(box_around((one.x, one.y), (math.sqrt(2.0) * one.radius,) * 2)
                                 for one in labels.values())):
             places.cover(box)

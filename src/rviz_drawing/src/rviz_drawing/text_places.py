@@ -51,11 +51,11 @@ class TextPlaces:
         self._places = Places()
 
     def middle(self, key: Key) -> Optional[Point]:
-        """Returns the middle of a text (m); None if there is no free place for it."""
+        """Returns the middle of a text (m); None: there is no free place for the text."""
         return self._middles[key]
 
     def show(self, texts: Mapping[Key, VertexText]) -> None:
-        """Places these texts; earlier texts choose first."""
+        """Places these texts in their order."""
         for key, text in list(self._texts.items()):
             if texts.get(key) != text or self._middles[key] != _usual(text):
                 self._remove(key)
@@ -90,8 +90,7 @@ def _usual(text: VertexText) -> Point:
 
 
 def _middles(text: VertexText) -> List[Point]:
-    """Returns the possible middles of a text, the best first: the usual one, then from near to far.
-    """
+    """Returns the possible middles of a text, the best first: the usual place, then near to far."""
     (x, y), (width, height) = text.vertex, text.size
     return [_usual(text), *(
         (x + right * (away + width / 2.0), y + up * (away + height / 2.0))

@@ -142,7 +142,8 @@ def _stays(value: Any) -> Tuple[float, ...]:
     if not isinstance(value, list) or len(value) > MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of at most {MOST_DESTINATIONS} numbers')
     for element in value:
-        # Compared first, because a whole number of 400 digits cannot become a float.
+        # Compared before the conversion, because a whole number of 400 digits cannot become a
+        # float.
         if isinstance(element, bool) or not isinstance(element, (int, float)) or not (
                 -LONGEST_STAY <= element <= LONGEST_STAY):
             raise WrongAct(f'must be numbers of seconds up to {LONGEST_STAY:.0f}, or negative')

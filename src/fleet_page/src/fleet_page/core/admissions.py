@@ -1,13 +1,13 @@
 """The limits on connections before a login: which connections are let in, and which are ended.
 
-A connection counts while it waits for a request, or is served without a login. While it carries out
-a request of a known person, it does not count and is not ended.
+A connection counts while it waits for a request, or is served without a login. While it serves a
+known person, it does not count and is not ended.
 
 If there is no room for a new connection, the oldest connection of the address with the largest
 number of connections is ended. So no client can take all places and keep them, and an address with
-few connections loses none while another address has more. If half requests displace others faster
-than the limit, a new connection is let in only with a whole request, because it is cheapest to
-refuse a half request.
+few connections loses none while another address has more. If half requests displace other
+connections faster than the limit, a new connection is let in only with a whole request, because it
+is cheapest to refuse a half request.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fleet_page.core.rate_limits import RateLimit
 
 MOST_OF_ADDRESS = 96
 MOST = 512
-EACH_SECOND = 2000.0  # half requests per second that may displace others, per address and in all
+EACH_SECOND = 2000.0  # half requests per s that may displace connections, per address and in all
 
 
 class Admissions:

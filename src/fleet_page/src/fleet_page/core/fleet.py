@@ -266,7 +266,7 @@ class ShownTimetable:
 
     arguments -- arguments of its template, each with the name of its parameter
     every     -- minutes from one run to the next, within a day
-    begin     -- minute of the day at which the first run is
+    begin     -- minute of the day of the first run
     end       -- latest time of a run, in minutes from the beginning of the same day
     days      -- days of the week on which it begins; 0 is Monday
     next      -- time of the next run, s since 1970; None: it is paused

@@ -164,7 +164,8 @@ class FleetModel:
         return fault, round(now) if fault else 0
 
     def _expect_ends(self, now: float) -> None:
-        """Notes when each mission under way ends. Small changes are left out, because they are
+        """Notes when each mission under way is expected to end. Small changes are left out, because
+        they are
         only noise."""
         for key, status in self.missions.items():
             robot = self.robots.get(status.robot)
@@ -202,7 +203,7 @@ class FleetModel:
     def tick(self, now: float) -> None:
         """Checks whether the fleet manager still publishes."""
         alive = self._heard is not None and now - self._heard < DEAD_AFTER
-        # While it publishes, the time is omitted, because each message would change the time.
+        # While the fleet manager publishes, the time is omitted: each message would change it.
         self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
         while self._done and now - self._done[0] > HOUR:
             self._done.popleft()
@@ -305,7 +306,9 @@ class FleetModel:
         self.live.remove(f'laser:{robot}')
 
     def note_request(self, request: MissionRequest) -> None:
-        """Keeps the request of a mission. It may come before or after its first status."""
+        """Keeps the request of a mission, which may come before or after the mission's first
+        status.
+        """
         key = (request.id, request.stamp)
         self._requests[key] = request
         while len(self._requests) > MOST_REQUESTS:
@@ -319,7 +322,7 @@ class FleetModel:
 
     @property
     def unknown(self) -> Set[int]:
-        """Ids of the open missions whose status is known but whose request is not."""
+        """Ids of the open missions with a known status and an unknown request."""
         return {status.id for key, status in self.missions.items()
                 if key not in self._requests and status.state in OPEN_STATES}
 
@@ -340,7 +343,7 @@ class FleetModel:
         self._done.extendleft(reversed(earlier))
 
     def forget_request(self, id: int) -> None:
-        """Forgets the request of a mission that may have changed, so that the journal is read."""
+        """Forgets a mission's request, which may have changed, so that the journal is read."""
         for key in [key for key, status in self.missions.items()
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)

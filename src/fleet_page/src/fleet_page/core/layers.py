@@ -1,4 +1,4 @@
-"""The layers of the map whose entries are sent only to clients that show them."""
+"""Layers of the map. The entries of a layer are sent only to clients that show the layer."""
 from __future__ import annotations
 
 from dataclasses import dataclass

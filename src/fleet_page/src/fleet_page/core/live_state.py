@@ -11,7 +11,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from fleet_page.core.layers import ShownLayers
 
-MOST_GONE = 5000  # removed keys that are kept; a client that needs older ones gets all entries
+MOST_GONE = 5000  # removed keys that are kept; a client that needs older keys gets all entries
 _KEPT_TEXTS = 16  # updates that are kept as text, because nearly all clients need the same update
 ALL = ShownLayers()
 
@@ -52,7 +52,9 @@ class LiveState:
             self._oldest = self._gone.popitem(last=False)[1]
 
     def replace(self, prefix: str, values: Mapping[str, Any]) -> None:
-        """Replaces all entries whose keys begin with `prefix`. `values` has keys without it."""
+        """Replaces all entries whose keys begin with `prefix`. `values` has keys without the
+        prefix.
+        """
         for key in [key for key in self._entries
                     if key.startswith(prefix) and key[len(prefix):] not in values]:
             self.remove(key)
@@ -60,7 +62,9 @@ class LiveState:
             self.put(prefix + name, value)
 
     def entries(self, prefix: str) -> Dict[str, Any]:
-        """Returns all entries whose keys begin with a prefix, by the rest of their keys."""
+        """Returns all entries whose keys begin with a prefix, by the part of the key after the
+        prefix.
+        """
         return {key[len(prefix):]: value for key, (_, value) in self._entries.items()
                 if key.startswith(prefix)}
 

@@ -20,7 +20,7 @@ from fleet_page.core.site import WallMap, site_values
 
 Missions = Callable[[float], List[HistoryLine]]
 """Returns the missions in the journal that are open, or that have changed since a time (s since
-1970). Raises JournalError. It may be slow."""
+1970). Raises JournalError. The call may be slow."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history

@@ -12,7 +12,7 @@ from fleet_page.core.acts import Act, ActOutcome
 from fleet_page.core.robot_events import RobotEvent
 
 MOST_ROWS = 50000       # rows of the audit list, at most; the oldest ones are deleted
-MOST_NAMED = 100        # favourites, and areas, at most
+MOST_NAMED = 100        # largest number of favourites, and of areas
 HOUR = 3600
 KEPT_HOURS = 24 * 90
 CHARGE_PERIOD = 300     # s between two values of a battery

@@ -19,10 +19,10 @@ BACKLOG = 4096          # connections that wait in the kernel until they are acc
 LONGEST_HEAD = 16384    # bytes
 _AT_ONCE = 256          # new connections that are accepted before open connections are served
 _ADMITTED_AT_ONCE = 16  # the largest number of these connections that are let in
-_PAUSE = 0.2            # s in which none is accepted after the operating system had no more room
+_PAUSE = 0.2            # s without accepting, after the operating system had no connection left
 _TLS_HANDSHAKE = b'\x16'  # first byte of a record: its type; bytes 4 and 5: its length
 _ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
-_KEPT = 64             # bytes of the text before, which may have the beginning of the header's name
+_KEPT = 64             # last bytes that are searched again: a header's name may begin in them
 _REFUSED_ENCODING = (
     b'HTTP/1.1 415 Unsupported Media Type\r\nContent-Type: text/plain\r\nContent-Length: 37\r\n'
     b'Connection: close\r\n\r\nCompressed requests are not accepted.')
@@ -153,7 +153,8 @@ class Connection(asyncio.Protocol):
                     self._listener.admissions.count(self, self.place)
 
     def work_with(self, work: asyncio.Future[Any]) -> None:
-        """Notes the work of the connection. If the connection ends earlier, the work is cancelled.
+        """Notes the work of the connection. If the connection ends before the work, the work is
+        cancelled.
         """
         self._work = work
 
@@ -213,7 +214,7 @@ class DoorListener:
         return int(self._socket.getsockname()[1])
 
     def close(self) -> None:
-        """Stops accepting connections, and ends all open ones."""
+        """Stops accepting connections, and ends all open connections."""
         if self._socket is not None:
             asyncio.get_event_loop().remove_reader(self._socket)
             self._socket.close()

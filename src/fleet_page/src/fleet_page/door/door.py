@@ -109,7 +109,7 @@ class Door:
         async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
             connection = self._connection(request)
             if connection is None:
-                raise asyncio.CancelledError  # it ended before its request was read
+                raise asyncio.CancelledError  # the connection ended before its request was read
             person = self._person(request)
             if self._may_ask(request, person):
                 with connection.serving(person is not None):
@@ -231,7 +231,8 @@ class Door:
         return web.json_response({'ok': outcome.ok, 'text': outcome.text, 'mission': 0})
 
     async def _stop(self, person: Person) -> ActOutcome:
-        """Stops the fleet and reports the stop, even if the browser does not wait for it."""
+        """Stops the fleet and reports the stop, even if the browser does not wait for the answer.
+        """
         asked = time.time()
         outcome = await self._stops.stop(person.name)
         _LOG.info('%s stopped the fleet: %s', person.name, outcome.text)

@@ -58,8 +58,8 @@ class DoorProcess:
 
     def __init__(self, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None] = lambda: None) -> None:
-        """Forks the door. It first calls `begin`. `stop` stops the fleet in the door's process, and
-        may take seconds.
+        """Forks the door's process, which first calls `begin`. `stop` stops the fleet in the door's
+        process, and may take seconds.
         """
         here, there = socket.socketpair()
         self._ended, lives = os.pipe()  # `lives` stays open until the door ends

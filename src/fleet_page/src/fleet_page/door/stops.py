@@ -1,4 +1,6 @@
-"""Carries out stops: while one stop runs, one further stop waits for all requests that come."""
+"""Carries out stops: while one stop runs, one further stop waits, which serves all requests that
+come.
+"""
 from __future__ import annotations
 
 import asyncio
@@ -11,8 +13,9 @@ from fleet_page.core.acts import ActOutcome
 class Stops:
     """Stops the fleet in a thread of its own.
 
-    A request is served by a stop that begins after it. So any number of requests needs at most two
-    stops: the present stop and the next one. The next stop has the name of its first requester.
+    A request is served by a stop that begins after the request has come. So any number of requests
+    needs at most two stops: the present stop and the next one. The next stop has the name of its
+    first requester.
     """
 
     def __init__(self, stop: Callable[[str], ActOutcome]) -> None:

@@ -22,7 +22,7 @@ CHECKED = 1.0          # s between two checks whether the session of an open str
 _RETRY = 1.0           # s
 _MOST_REPORTS = 1000   # stops that are kept for the page's process, at most
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
-_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # added by no code here: the client's count
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # never added here: the client sends them
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)
@@ -46,7 +46,7 @@ class Worker:
 
     async def relay(self, request: web.Request, body: bytes, person: Person,
                     headers: Dict[str, str], may_go_on: Callable[[], bool]) -> web.StreamResponse:
-        """Passes a request on, and its answer back while `may_go_on` returns True."""
+        """Passes a request on. Passes its answer back while `may_go_on` returns True."""
         passed = {name: request.headers[name] for name in _PASSED_ON if name in request.headers}
         passed.update({PERSON: person.name, ROLE: person.role.name})
         try:

@@ -179,7 +179,7 @@ class FleetPageNode:
             await asyncio.sleep(TICK)
 
     async def _read_journal(self, since: float) -> None:
-        """Reads missions from the journal: all open ones, and those that changed since `since`.
+        """Reads missions from the journal: the open missions, and those that changed since `since`.
         """
         try:
             lines = await self._loop.run_in_executor(None, self._page.missions, since)

@@ -14,7 +14,7 @@ from fleet_page.nodes import messages
 from itrci_nav_msgs.msg import FleetAllocations
 from node_lifecycle import warn
 
-PERIOD = 0.4  # s between two pictures of a laser that are shown
+PERIOD = 0.4  # s between two scans that are shown
 
 
 class LayerTopics:

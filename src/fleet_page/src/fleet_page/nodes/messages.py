@@ -50,8 +50,8 @@ _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robots_of(message: msg.FleetState) -> List[ShownRobot]:
-    """Returns the robots in /fleet_state, each with the device that it is in without a report that
-    the device is open.
+    """Returns the robots in /fleet_state. `not_open` of a robot names the device that the robot is
+    in although no report says that the device is open.
     """
     not_open = {claim.robot: one.name for one in message.resources for claim in one.claims
                 if one.has_device and claim.state == msg.ResourceClaim.LOST}
@@ -124,7 +124,7 @@ def laser_of(cloud: PointCloud2) -> List[int]:
 
 def fences_of(message: MarkerArray) -> Tuple[Tuple[float, ...], ...]:
     """Returns the fences that map_visualisation draws: corners of areas, and ends of lines, in m.
-    They are at most MOST_FENCES.
+    At most MOST_FENCES fences are returned.
     """
     found: List[Tuple[float, ...]] = []
     for marker in message.markers:

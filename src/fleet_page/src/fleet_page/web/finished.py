@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, Tuple
 from aiohttp import web
 
 MOST_KEPT = 8
-_COMPRESSED = 1000  # bytes from which an answer is compressed
+_COMPRESSED = 1000  # bytes; larger answers are compressed
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def json_bytes(values: Any, status: int = 200) -> WebAnswer:
 
 
 class Finished:
-    """The last answer of each name, with the state from which it was made."""
+    """The last answer of each name, with the state from which the answer was made."""
 
     def __init__(self) -> None:
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'answers')

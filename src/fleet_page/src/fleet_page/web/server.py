@@ -40,9 +40,9 @@ STALLED = 30.0        # s after which a client that does not read is disconnecte
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 40
 KEPT_FOR_OPERATORS = 20  # number of these places that the role `see` cannot get
-FRESH = 2.0           # s in which an answer from the journal is used again
+FRESH = 2.0           # s for which an answer from the journal is used again
 MOST_HOURS = 24 * 90
-MOST_SOURCES = 10     # lasers, and the allocations, that are received at the same time, at most
+MOST_SOURCES = 10     # largest number of sources (lasers, allocations) received at the same time
 
 
 class WebServer:
@@ -126,7 +126,7 @@ class WebServer:
         return answer
 
     def _layers(self, request: web.Request) -> ShownLayers:
-        """Returns the layers in a request; without layers, only the plan."""
+        """Returns the layers that a request names; if it has no field `layers`, only the plan."""
         if 'layers' not in request.query:
             return ShownLayers()
         names = frozenset(request.query['layers'].split(',')) & frozenset(LAYERS) - {LASER}
@@ -261,7 +261,9 @@ class WebServer:
                                   'mission': outcome.mission})
 
     async def _done(self, person: Person, act: Act) -> ActOutcome:
-        """Carries out an act and records its outcome, even if the client does not wait for this."""
+        """Carries out an act and records its outcome, even if the client does not wait for the
+        answer.
+        """
         if act.kind in NAMED:
             outcome = self._page.change_named(act)
         elif act.kind is ActKind.ACKNOWLEDGE:
@@ -289,7 +291,7 @@ async def serve(server: WebServer, path: str) -> web.AppRunner:
 
 
 def _person(request: web.Request) -> Person:
-    """Returns the person of a request, which the door has named."""
+    """Returns the person that the door has named for a request."""
     return Person(request.headers[PERSON], UserRole[request.headers[ROLE]])
 
 

@@ -2,7 +2,7 @@
 
 The watchdog of each node publishes in /diagnostics. When every node of the unit has had a good
 report, this node sends READY=1 to systemd. Then it sends WATCHDOG=1 each second, as long as every
-node had a good report within the last 15 s. If it sends none, systemd restarts the unit after the
+node had a good report within the last 15 s. Without WATCHDOG=1, systemd restarts the unit after the
 unit's WatchdogSec.
 
 Subscribes

@@ -146,7 +146,7 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
 
 
 def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
-    """Sends a command. Returns the list of closed edges that shows that it was carried out."""
+    """Sends a command. Returns the list of closed edges that shows its effect."""
     in_force.unread()  # drops messages from before the command: they do not answer it
     wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
     told = first_answer(command, in_force, lambda message: (

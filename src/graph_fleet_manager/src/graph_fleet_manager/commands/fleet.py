@@ -184,7 +184,7 @@ def _unseen() -> List[str]:
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Declares each of the robots absent; a failure does not end this. Returns the exit status."""
+    """Declares each of the robots absent; continues after a failure. Returns the exit status."""
     status = OK
     for robot in robots:
         try:

@@ -105,7 +105,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def is_for_ros(word: str) -> bool:
     """Returns whether a word of `mission run` is a remapping for ROS.
 
-    Such a word begins with `_`, with which no name of a template's parameter begins.
+    Such a word begins with `_`. The name of a template's parameter never begins with `_`.
     """
     return word.startswith('_') and ':=' in word
 
@@ -220,7 +220,7 @@ def _time_of_day(text: str) -> rospy.Time:
 
 
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
-    """Returns the fields of a request for the options that every mission has."""
+    """Returns the fields of a request that follow from the options that every mission has."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
             'after': [MissionDependency(request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),
@@ -474,7 +474,8 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
-    """Fills in the new destinations, with a group as stops: only a stop can name a group."""
+    """Fills in the new destinations. If one is a group, all become stops: only a stop has a group.
+    """
     if any(isinstance(one, str) for one in destinations):
         message.stops = visits(destinations)
     else:

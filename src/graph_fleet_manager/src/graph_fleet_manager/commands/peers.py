@@ -1,4 +1,4 @@
-"""The command `peers`: lists the computers whose ROS masters are joined with this one.
+"""The command `peers`: lists the computers whose ROS masters are joined with ours.
 
     peers ADDRESS[,ADDRESS...] FLEET_FILE
 

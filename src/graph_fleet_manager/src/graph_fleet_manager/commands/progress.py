@@ -51,8 +51,8 @@ def _robot(state: Optional[FleetState], status: MissionStatus) -> Optional[Fleet
 
 
 class ProgressLine:
-    """Shows progress lines. On a terminal, each line replaces the line before. Without a terminal,
-    fewer lines are printed.
+    """Shows progress lines. On a terminal, each line replaces the previous line. Without a
+    terminal, fewer lines are printed.
     """
 
     def __init__(self, stream: Optional[TextIO] = None) -> None:

@@ -27,7 +27,9 @@ class TimesSent:
         self._known: Tuple[int, Times] = (0, {})
 
     def fill(self, message: msg.PlanRequest, table: Times, rate: float) -> None:
-        """Puts a table, or its changes, into a request. `rate` is the speed of simulated robots."""
+        """Puts a table, or its changes, into a request. `rate`: seconds of the robots' time in one
+        second of ROS time.
+        """
         if table is not self._table and table != self._table:
             self._version = self._version % (_VERSIONS - 1) + 1
         self._table = table
@@ -55,8 +57,7 @@ class TimesKept:
         self._table: Times = {}
 
     def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """Returns the table that a request uses; None: it has changes to a table that is not kept.
-        """
+        """Returns the table that a request uses; None: it changes a table that is not kept."""
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told

@@ -119,7 +119,7 @@ def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
 
 
 def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
-    """Returns whether a status is about this request; another one may have had the same id."""
+    """Returns whether a status is about this request; another request may have had the same id."""
     apart = status.request_stamp.to_sec() - request.header.stamp.to_sec()
     return bool(status.request_id == request.request_id and abs(apart) < _SAME)
 
@@ -222,7 +222,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
     stamp.
 
     software -- name and version of each robot's software, by robot, if the robot reports them
-    rate     -- factor by which simulated robots are faster than the clock
+    rate     -- how many times as fast as the clock simulated robots are
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),
                              machines=machine_messages(machines), robots=[

@@ -1,8 +1,8 @@
 """Messages of requests to the planner and of its answers.
 
 Times in messages are seconds of ROS time after the stamp of the request. The planner counts the
-same times in seconds of the robots' time: with simulated robots, `rate` of these pass in one second
-of ROS time.
+same times in seconds of the robots' time: with simulated robots, `rate` seconds of the robots' time
+pass in one second of ROS time.
 """
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Ma
                   rate: float = 1.0) -> None:
     """Puts the plans into an answer.
 
-    released -- number of the drives of each robot that are already released
+    released -- how many drives of each robot are already released
     """
     names = dict.fromkeys((*released, *outcome.drives))  # the robots of the tasks first
     answer.plans = [msg.RobotPlan(name, _drives_message(outcome.drives[name], rate),

@@ -1,1 +1,1 @@
-"""Multimaster: checks of another ROS master with which this side's master is joined."""
+"""Multimaster: checks of the other ROS masters that are joined with this side's master."""

@@ -31,8 +31,8 @@ class Checked:
 
 
 def clock_finding(offset: float, uncertainty: float) -> Checked:
-    """Returns the finding about a clock that is `offset` s ahead of this one, give or take
-    `uncertainty` s.
+    """Returns the finding about a clock that is `offset` s ahead of this computer's clock. The
+    error of `offset` is at most `uncertainty` s.
     """
     off = max(abs(offset) - uncertainty, 0.0)
     level = Grade.OK if off < CLOCK_NOTED else Grade.WARN if off < CLOCK_WRONG else Grade.WRONG
@@ -43,7 +43,8 @@ def clock_finding(offset: float, uncertainty: float) -> Checked:
 
 
 def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Checked:
-    """Returns the finding about message definitions that differ or are missing: MD5 sums by type.
+    """Returns the finding about differing or missing definitions; `own`, `theirs`: MD5 sums by
+    type.
     """
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))

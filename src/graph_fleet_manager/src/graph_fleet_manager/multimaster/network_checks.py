@@ -1,4 +1,4 @@
-"""Checks whether the ROS masters of this computer and another one can be joined, with advice.
+"""Checks, with advice, whether the ROS masters of this and another computer can be joined.
 
 The checks use only the XML-RPC API of the masters; no node is started.
 """
@@ -28,7 +28,7 @@ from graph_fleet_manager.multimaster.peer_master import (
 )
 
 _CALL_BACK = 3.0     # s in which a master must call back
-_ASKED = 5           # largest number of the other side's nodes to which a connection is tried
+_ASKED = 5           # at most so many nodes of the other side are tested with a connection
 
 
 class NetworkChecks:
@@ -155,9 +155,10 @@ class NetworkChecks:
         return Checked('nodes', Grade.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
-        """Returns the nodes that run on the other computer: those with the same host as its rosout.
+        """Returns the nodes that run on the other computer: they have the same host as the rosout
+        there.
 
-        Its master also lists nodes that it took over from further masters.
+        The master there also lists nodes of further masters with which it is joined.
         """
         nodes = self._nodes or {}
         where = urlsplit(nodes.get('/rosout', '')).hostname
@@ -213,7 +214,7 @@ _ON_EVERY_SIDE = ('/rosout', '/master_discovery', '/master_sync', '/peer_watch')
 
 
 def address_towards(address: str) -> str:
-    """Returns this computer's address on the route to another; empty if there is no route.
+    """Returns this computer's address on the route to another computer; empty: there is no route.
 
     It sends nothing.
     """
@@ -236,7 +237,7 @@ def is_own_address(address: str) -> bool:
 
 
 def calls_back(master: MasterApi, address: str) -> bool:
-    """Returns whether a master reaches a server here at `address`. It reports publishers this way.
+    """Returns whether a master reaches a server here at `address`, as when it reports publishers.
 
     For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
     NoAnswer, and OSError if no server can listen at the address.

@@ -27,7 +27,8 @@ class NoAnswer(Exception):
 
 
 class ClockOffset(NamedTuple):
-    """The time (s) by which another clock is ahead of this one, and the error (s) of this time."""
+    """How far (s) another computer's clock is ahead of this clock, and the error (s) of this value.
+    """
 
     offset: float
     uncertainty: float
@@ -89,7 +90,8 @@ class MasterApi:
 
     @staticmethod
     def value(question: Callable[[], Any]) -> Any:
-        """Returns the result of a call of the API. Raises NoAnswer, even if the master refuses it.
+        """Returns the result of a call of the API. Raises NoAnswer, also if the master refuses the
+        call.
         """
         code, said, value = _ask(lambda: _triple(question()))
         if code != 1:
@@ -104,7 +106,7 @@ class Discovery:
         self._api = proxy(f'http://{address}:{port}')
 
     def clock(self) -> ClockOffset:
-        """Compares the other computer's clock with this one; raises NoAnswer."""
+        """Compares the other computer's clock with this computer's clock; raises NoAnswer."""
         before = time.time()
         moment = _ask(lambda: float(self._api.getCurrentTime()[1]))
         after = time.time()
@@ -113,7 +115,8 @@ class Discovery:
         return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
-        """Returns the MD5 sum of each of these message types that the other side has.
+        """Returns the MD5 sums of these message types, by type, as far as the other side has the
+        types.
 
         Raises NoAnswer.
         """

@@ -42,7 +42,7 @@ from node_lifecycle import ConfigurationError, number, parameter, run
 from route_protocol.vehicle import draw_epoch, milliseconds
 from trajectory_graph import Graph, GraphError, load_graph
 
-DRIVER = 'agv'  # of the robots that this node drives
+DRIVER = 'agv'  # the driver of the robots that this node drives
 PACKAGE = 'graph_fleet_manager'  # its version is reported as the version of the AGVs' software
 TICK = 0.05     # s
 _NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)

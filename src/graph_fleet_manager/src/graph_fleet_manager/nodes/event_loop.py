@@ -52,7 +52,7 @@ class _Arrived(NamedTuple):
 
 
 class SupervisorEvents:
-    """The queues between callbacks, which put events, and the one thread that takes them.
+    """The queues of events: callbacks put events into them, and one thread takes the events.
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
 
@@ -69,7 +69,7 @@ class SupervisorEvents:
         self._reports: List[_Arrived] = []  # a heap
         self._newest: Dict[str, Tuple[ReportEvent, float]] = {}  # with the time of its arrival
         self._requests: OrderedDict[int, Request] = OrderedDict()
-        self._by_id: Dict[int, List[int]] = {}  # numbers of the requests with an id
+        self._by_id: Dict[int, List[int]] = {}  # by id: the numbers of the requests
         self._room = threading.Semaphore(_WAITING)
         self._request_room = threading.Semaphore(_WAITING)
         self._is_ready = False
@@ -214,7 +214,8 @@ class SupervisorEvents:
         return heapq.heappop(self._reports).event
 
     def _accept(self, trouble: str) -> Event:
-        """Returns an event for up to BATCH requests; if it refuses them, `trouble` is the reason.
+        """Returns an event that accepts up to BATCH requests, or refuses them for the reason
+        `trouble`.
         """
         requests = [self._taken(number)
                     for number in list(itertools.islice(self._requests, BATCH))]

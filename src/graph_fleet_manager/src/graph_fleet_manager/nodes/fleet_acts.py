@@ -47,8 +47,8 @@ class FleetActs:
     def mission_said(self, status: MissionStatus) -> None:
         """Notes whether a step of a mission waits for an answer.
 
-        A step that waits until a person or a program has done it cannot be repeated, so RETRY is
-        not offered for it.
+        If a person or a program outside does a step, the robot cannot repeat the step, so RETRY is
+        not offered.
         """
         if not status.asks or not MissionState(status.state).is_open:
             self._asking.pop(status.request_id, None)

@@ -57,7 +57,8 @@ def _summary(view: FleetView) -> Tuple[int, str]:
 
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
-    """Fills in the number of open missions by state, and the reasons why the oldest ones wait."""
+    """Fills in the number of open missions by state, and the reasons why the oldest missions wait.
+    """
     missions = [] if supervisor is None else supervisor.book.stored_open
     states = [mission.state for mission in missions]
     status.summary(DiagnosticStatus.OK, f'{len(states)} open missions')

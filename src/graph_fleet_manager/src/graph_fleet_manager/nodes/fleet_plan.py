@@ -17,7 +17,7 @@ _SHARE = 0.1  # largest share of the CPU time for messages: large plans are publ
 
 
 class _Told(NamedTuple):
-    """A plan, and a moment in two clocks: `now` is monotonic time, `stamp` is ROS time."""
+    """A plan, and one moment on two clocks: `now` is monotonic time, `stamp` is ROS time."""
 
     progress: Optional[PlanProgress]
     now: float

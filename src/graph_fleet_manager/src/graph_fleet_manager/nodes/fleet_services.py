@@ -186,7 +186,7 @@ class FleetServices:
         return self._found(find)
 
     def _found(self, find: Callable[[Supervisor, float], _Found]) -> _Found:
-        """Returns what `find` returns in the supervisor's thread.
+        """Calls `find` in the supervisor's thread, and returns its result.
 
         Raises ServiceException if the journal cannot be read now, or if there is no answer.
         """
@@ -205,7 +205,7 @@ class FleetServices:
         return found[0]
 
     def offer_removed(self, robots: Iterable[str]) -> None:
-        """Offers to declare robots ABSENT that are not in the fleet file any more."""
+        """Offers to declare each of these robots ABSENT, unless it is in the fleet file."""
         for robot in sorted(set(robots) - self._robots):
             self._robots |= {robot}
             self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
@@ -213,7 +213,7 @@ class FleetServices:
     def _answer(self, act: Act, done: Done, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
                 lasts: bool = False) -> Optional[TriggerResponse]:
-        """Returns the answer of a call; None if the call did not begin within `patience` (s).
+        """Returns the answer to a call; None if the call did not begin within `patience` (s).
 
         Such a call is then given up: after a person was told that robots do not go on, the robots
         must not go on later.

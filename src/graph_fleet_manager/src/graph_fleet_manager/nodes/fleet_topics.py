@@ -157,7 +157,7 @@ class FleetTopics:
             publish(asked[0])
 
     def is_answered(self, answer: PlanAnswer) -> bool:
-        """Returns whether this answers the last plan request.
+        """Returns whether this message answers the last plan request.
 
         If the planner lacked learned times, sends the request again.
         """

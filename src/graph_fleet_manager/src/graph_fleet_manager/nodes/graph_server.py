@@ -8,7 +8,7 @@ Publishes (all latched)
     /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
     /diagnostics
 Subscribes
-    /edge_command (itrci_nav_msgs/EdgeCommand): opens or closes edges; all others stay as they are
+    /edge_command (itrci_nav_msgs/EdgeCommand): opens or closes edges; other edges stay as they are
     /closed_edges (itrci_nav_msgs/ClosedEdges): the complete list of closed edges
     /<robot>/execution_route_states of every robot in the fleet file: routes that a new graph must
         not break
@@ -58,7 +58,7 @@ from node_lifecycle.worker import start_worker
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import size_of
 
-_REPORTED_WITHIN = 3.0  # s in which each connected robot reports at least once, at 1 Hz or more
+_REPORTED_WITHIN = 3.0  # s within which each connected robot reports, at 1 Hz or more
 _WAITING = 'The file has changed since it was last in force: waiting for the reports of the robots.'
 _SURVEY_NICENESS = 10  # a survey needs seconds of CPU time, and no program waits for it
 
@@ -79,7 +79,7 @@ class GraphServer:
         self._lock = threading.RLock()
         self._stamp = rospy.Time(0)
         self._trouble = ''
-        """Why the graph of the file is not in force since the file was last read; else empty."""
+        """Why the last reading of the file did not put its graph in force; empty: it did."""
         self._remarks: List[Remark] = []
         self._surveyed: Optional[Tuple[RoadNetwork, Survey]] = None
         """The network and the survey of the graph in force, with all edges open."""

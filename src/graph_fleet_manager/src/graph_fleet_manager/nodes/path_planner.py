@@ -43,7 +43,7 @@ from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
-_WAITING = 20  # requests in the queue at most; only the newest one that waits is planned
+_WAITING = 20  # requests in the queue at most; only the newest request that waits is planned
 
 
 class PathPlanner:

@@ -1,7 +1,7 @@
 """plc_sim: plays the PLCs of stations that hand loads over, for demonstrations and tests.
 
 A mission of a template waits at each step of an outside program until that program answers. This
-node answers DONE after a delay. It leaves out steps for which a person is asked.
+node answers DONE after a delay. It does not answer steps for which a person is asked.
 
 Subscribes
     /mission_status (itrci_nav_msgs/MissionStatus)

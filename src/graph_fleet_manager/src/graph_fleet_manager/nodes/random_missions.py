@@ -1,7 +1,7 @@
 """random_missions: keeps a fleet busy, for demonstrations and endurance tests.
 
 For each robot that could serve a mission, it keeps one mission open. Each mission has random
-destinations in the connected part of the graph in which one of these robots is.
+destinations in a connected part of the graph that contains one of these robots.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -55,9 +55,10 @@ class RandomMissions:
         self._left = parameter('~missions', 0, int) or -1
         self._lock = threading.Lock()
         self._places: Dict[int, List[int]] = {}
-        """The possible destinations in the connected part that contains an edge, by edge id."""
+        """By edge id: the possible destinations in the connected part of the graph with this edge.
+        """
         self._robots: List[int] = []
-        """For each robot that could serve a mission, the edge on which it is."""
+        """One edge for each robot that could serve a mission: the edge on which the robot is."""
         self._open: Dict[int, _Sent] = {}
         self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
@@ -126,7 +127,8 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """Returns the possible destinations in the connected part that contains an edge, by edge id.
+    """Returns, by edge id, the possible destinations in the connected part of the graph with the
+    edge.
 
     Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
     have no entries.

@@ -9,7 +9,7 @@
 | a report   | when no command waits                                                             |
 | requests   | when nothing else waits, and once before each tick                                |
 
-So under any load, a tick is late by at most LATEST and the time of one event and one turn of
+So under any load, a tick is late by at most LATEST plus the time of one event and one turn of
 requests. LATEST counts from the end of the last tick, so slow ticks do not stop other events.
 """
 from __future__ import annotations
@@ -18,7 +18,7 @@ from enum import Enum
 from typing import NamedTuple, Optional
 
 TICK = 0.05    # s between two ticks
-LATEST = 0.2   # s for which commands and reports may delay a tick that is due
+LATEST = 0.2   # s by which commands and reports may delay a tick that is due
 
 
 class TurnKind(Enum):
@@ -49,9 +49,9 @@ class Turns:
     def __init__(self, now: float) -> None:
         self.due = self._free = now
         self.heard = now
-        """The time before which all reports had been handled at the last tick."""
+        """At the last tick, all reports that had arrived before this time were handled."""
         self._due_since: Optional[float] = None
-        """When the next tick became due; earlier reports come before it. None: it is not due."""
+        """When the next tick became due; reports from before come first. None: it is not due."""
         self._had_turn = False  # whether requests had a turn since the last tick
 
     def hurry(self, due: Optional[float]) -> None:

@@ -28,9 +28,9 @@ class WorkFile:
         self._warned: Set[str] = set()
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
-        """Returns the file's description of the work at a graph's site; None: the file is wrong.
+        """Returns the work at the site of a graph, as read from the file; None: the file is wrong.
 
-        Warns of places that keep robots from their loads.
+        Warns of places where a robot would keep other robots from their loads.
 
         Without the site's devices and stations robots must not drive. So the node reads a wrong
         file again and again, until a person has corrected it.

@@ -37,7 +37,7 @@ _Z = 0.02
 
 @dataclass(frozen=True)
 class GraphTexts:
-    """The places that the texts of other pictures keep clear of.
+    """The boxes that the texts of other pictures avoid.
 
     edges -- the edges, as soft boxes
     names -- the boxes of the vertices' ids, by vertex

@@ -86,8 +86,8 @@ class Ask(NamedTuple):
 class _AnswerMenu(NamedTuple):
     """The entries for answers in the menu of a robot.
 
-    entries -- numbers of the entries. Entries for an earlier step stay in the menu, hidden: so a
-               click in a menu that is still open from then cannot answer a later step
+    entries -- numbers of the entries. Entries for an earlier step stay in the menu, but hidden. So
+               a click in a menu that was opened during the earlier step cannot answer a later step
     """
 
     top: int
@@ -109,7 +109,9 @@ class FleetMenus:
         self._answers: Dict[str, _AnswerMenu] = {}
 
     def show_graph(self, graph: Graph) -> None:
-        """Shows the buttons and the handles of vertices and edges, and removes all earlier ones."""
+        """Shows the buttons and the handles of vertices and edges, and removes all earlier buttons
+        and handles.
+        """
         for name in [name for name in self._menus if not name.startswith('robot ')]:
             self._remove(name)
         for vertex in graph.vertices.values():

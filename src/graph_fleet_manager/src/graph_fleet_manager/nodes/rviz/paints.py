@@ -1,4 +1,5 @@
-"""The colours of stations, devices, machines and loads in RViz: those of the dark fleet page."""
+"""The colours of stations, devices, machines and loads in RViz: the colours of the dark fleet page.
+"""
 from __future__ import annotations
 
 from typing import Mapping

@@ -36,7 +36,7 @@ _Z = 0.01
 
 
 class Words(NamedTuple):
-    """A text beside a point, `away` from it."""
+    """A text beside a point, at the distance `away` (m)."""
 
     text: str
     paint: ColorRGBA
@@ -92,7 +92,7 @@ def _rings(graph: Graph, resources: Iterable[FleetResource],
 
 def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
               squares: Container[int]) -> Marker:
-    """Draws a resource. Each vertex in `squares` has the square of a machine, free of words."""
+    """Draws a resource. Words avoid the square of a machine around each vertex in `squares`."""
     paint = PAINTS[look_of(one)]
     curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
     places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
@@ -140,7 +140,8 @@ def _machine(graph: Graph, number: int, message: FleetMachine, words: List[Words
 
 def _placed(words: Iterable[Words], places: Places,
             covered: Iterable[Box]) -> Tuple[List[Marker], List[Box]]:
-    """Returns the texts for which there is room, and their boxes. Earlier texts choose first."""
+    """Returns the texts for which there is room, and their boxes. Earlier texts are placed first.
+    """
     for box in covered:
         places.cover(box)
     markers: List[Marker] = []

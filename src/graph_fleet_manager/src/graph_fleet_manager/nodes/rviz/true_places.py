@@ -15,7 +15,7 @@ FRESH = 1.5  # s after which a received pose is too old
 
 
 class TruePlaces:
-    """Subscribes to the poses of the given robots and keeps the last one of each."""
+    """Subscribes to the poses of the given robots, and keeps the last pose of each robot."""
 
     def __init__(self) -> None:
         self._subscribers: Dict[str, rospy.Subscriber] = {}
