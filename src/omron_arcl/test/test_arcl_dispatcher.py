@@ -285,7 +285,7 @@ def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
     assert outcome(later) is Outcome.SUCCEEDED
 
 
-# We stop the robot, but another client drives it before it stands: it never sends `Stopped`.
+# We stop the robot, but another client drives it before it stands. So it never sends `Stopped`.
 OVERTAKEN = ('Interrupted: Going to A', 'Stopping', 'Going to B')
 
 

@@ -157,7 +157,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     signals = PassedSignals(output)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signals.receive)
-    # In its own process group: otherwise it would get Ctrl-C from the terminal and from here.
+    # roslaunch gets its own process group. Otherwise Ctrl-C would reach it twice: from the
+    # terminal, and from this program.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],

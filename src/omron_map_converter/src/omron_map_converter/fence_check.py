@@ -73,7 +73,8 @@ def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
 def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
            walls: np.ndarray) -> List[Tuple[float, float]]:
     allowed = unary_union([corridors.lanes_widened(ALLOWANCE - ROUNDING), corridors.floor])
-    # GEOS omits parts of the buffer of some long lines, so only the many points use it.
+    # Shapes are selected by distance, because GEOS omits parts of the buffer of some long lines.
+    # Only the points are selected with a buffer, because they are many.
     obstacles = [shape for shape in shapes if shape.distance(allowed.boundary) <= ROBOT_HALF_WIDTH]
     in_reach = prep(allowed.boundary.buffer(ROBOT_HALF_WIDTH))
     obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]

@@ -231,7 +231,8 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices, but of those with indices in `spare` only the necessary ones.
+        """Returns `vertices` without those that are not necessary. Only vertices with indices in
+        `spare` may be left out.
 
         A vertex is not necessary if the straight between its neighbours is free.
         """
