@@ -29,8 +29,9 @@ def shows_what_was_not_read(patch: pytest.MonkeyPatch) -> None:
 
 def changed(patch: pytest.MonkeyPatch, name: str,
             change: Callable[[DeviceMachine, DeviceMachine], DeviceMachine]) -> None:
-    """Changes the result of an event to that of `change`, which gets the state before the event and
-    the right result.
+    """Replaces the result of an event by the result of `change`.
+
+    change -- gets the state before the event, and the right result
     """
     right = getattr(DeviceMachine, name)
 

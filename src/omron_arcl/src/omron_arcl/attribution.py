@@ -333,7 +333,7 @@ def _is_named(execution: Execution) -> bool:
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
-    """Returns the number, in the order of sending, of the oldest drive without any line."""
+    """Returns the number, in the order of sending, of the oldest drive that had no line yet."""
     return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 

@@ -35,7 +35,8 @@ GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links
 
 @dataclass(eq=False)
 class Word:
-    """A command that the controller took, or one of another client (`giver` None) that it noticed."""
+    """A command that the controller took, or that it noticed from another client (`giver` None).
+    """
 
     giver: Optional[Giver]
     drives: bool

@@ -1,8 +1,8 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label keeps its side while this side is free. If no side is free, it covers edges rather than
-names and rings of vertices and stations, and other labels and robots only as a last choice
-(`placing`).
+A label keeps its side while this side is free. If no side is free, the label covers edges rather
+than names and rings of vertices and stations. It covers other labels and robots only as a last
+choice (`placing`).
 """
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
 
 
 def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
-    """Returns whether a status is about this request; another one may have had the same id."""
+    """Returns whether a status is about this request: another request may have the same id."""
     apart = status.request_stamp.to_sec() - request.header.stamp.to_sec()
     return bool(status.request_id == request.request_id and abs(apart) < _SAME)
 

@@ -148,7 +148,7 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
                 ) -> None:
-        """Takes a location (m). A location of the moving robot is older than the arrival."""
+        """Takes a location (m). If the robot moves, the location is from before the arrival."""
         stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place

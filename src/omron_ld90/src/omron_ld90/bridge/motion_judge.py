@@ -36,7 +36,7 @@ _MOVING = MOVING | {ActivityKind.STOPPING}
 
 
 class MotionJudge:
-    """Finds out whether the robot rests, and otherwise why it moves."""
+    """Finds out whether the robot rests or, if not, why it moves."""
 
     def __init__(self) -> None:
         self._rests = False

@@ -32,7 +32,9 @@ class Localization:
                        normalise(true.theta + self.error.theta))
 
     def search(self, around: SimPose, true: SimPose, spread: Tuple[float, float]) -> None:
-        """Searches within `spread` (mm, deg) of a pose; the robot is lost if it is not there."""
+        """Searches within `spread` (mm, deg) of a pose. If the true pose is elsewhere, the robot is
+        lost.
+        """
         off = true.distance_to(around.x, around.y)
         turned = normalise(around.theta - true.theta)
         if off <= spread[0] and abs(turned) <= spread[1]:
