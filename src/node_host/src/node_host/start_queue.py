@@ -54,8 +54,9 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Returns the seconds until `next` may return a program if no further event comes; None: it
-        returns none without a further event.
+        """Returns the seconds until `next` may return a program, if no further event comes.
+
+        None: without a further event, `next` returns no program.
         """
         if not self._waiting:
             return None

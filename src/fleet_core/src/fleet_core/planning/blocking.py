@@ -142,8 +142,9 @@ class Blocking:
 
     @cached_property
     def _edge_blocks(self) -> Tuple[List[slice], array[int], Tuple[array[float], array[float]]]:
-        """For each edge, its slice of the two lists: numbers of the edges that it blocks, and the
-        clear fractions (forward, backward).
+        """The edges that each edge blocks, as three lists: for each edge, the slice of its entries
+        in the other lists; the numbers of the blocked edges; the clear fractions (forward and
+        backward).
         """
         starts, other, forward, backward, _ = self.conflicts
         is_edge = other >= self._network.vertices

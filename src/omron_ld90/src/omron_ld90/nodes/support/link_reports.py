@@ -124,7 +124,7 @@ class LinkReporter:
 
     @property
     def _is_beginning(self) -> bool:
-        """Whether the robot was never reached, and this began less than PATIENCE s ago."""
+        """Whether the robot was not connected yet, and the node began less than PATIENCE s ago."""
         return not self._connections and time.monotonic() - self._began < PATIENCE
 
     def report(self, link: Link) -> None:
