@@ -240,8 +240,8 @@ def test_where_not_all_can_be_served_somebody_is():
     (Task('a', AGV, 1, destinations=(8,)), 'the graph has no vertex 8'),
     (Task('a', AGV, released=(7,)), 'the graph has no edge 7'),
     (Task('a', AGV, released=(1, 3)), 'edge 3 does not begin where edge 1 ends'),
-    (Task('a', AGV, released=(1,), begun=1.0), 'fractions below 1'),
-    (Task('a', AGV, 1, ready=float('nan')), 'numbers from 0 on'),
+    (Task('a', AGV, released=(1,), begun=1.0), 'fractions must be below 1'),
+    (Task('a', AGV, 1, ready=float('nan')), 'numbers, 0 or more'),
     (Task('a', AGV, 1, destinations=(2, 3), dwells=(1.0,)), '2 destinations but 1 dwells'),
 ])
 def test_tasks_that_make_no_sense_are_refused(task, sentence):

@@ -191,7 +191,7 @@ def restart(world: World, keeps: bool) -> World:
 
 
 def told(world: World) -> World:
-    """Checks the report, and lets the requesters read it."""
+    """Checks the report of the device, and lets the requesters read this report."""
     report = world.device.report('gate')
     if report.mode is DeviceMode.OPEN:
         if world.readings != (OPENED,) * STEADY:

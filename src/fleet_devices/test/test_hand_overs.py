@@ -16,7 +16,7 @@ ALWAYS = 1e9
 
 
 class Disk:
-    """Keeps the data that was stored last, unless it is full."""
+    """Keeps the data that was stored last; while the disk is full, nothing is stored."""
 
     def __init__(self) -> None:
         self.stored = StoredHandOvers()

@@ -896,7 +896,7 @@ class TestTwoGivers:
             bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
 
     def test_the_drive_under_way_is_known_after_a_refused_newer_one(self, bench):
-        """Once, after a refused command, a drive to no named goal counted as another client's."""
+        """Once, a drive to a point counted as another client's after a newer drive was refused."""
         bench.drive(ROUTE, 'gotoPoint 1000 0 0')
         bench.robot('Going to point')
         known = bench.epoch

@@ -49,8 +49,9 @@ def share(percent: int):
     return decorate
 
 
-# hypothesis draws a fixed number of bytes in one step; it draws lists of lines twenty times slower.
-# So an example is one draw of bytes, which is read as lines: kind, beginning, length, and the rest.
+# hypothesis draws a fixed number of bytes in one step; to draw lists of lines takes twenty times as
+# long. So each example is one block of bytes, from which `lines_of` makes lines: for each line it
+# reads a kind, a beginning, a length, and then the text.
 MOST_LINES, MOST_BYTES = 12, 40
 BLOB = st.binary(min_size=1 + MOST_LINES * (3 + MOST_BYTES),
                  max_size=1 + MOST_LINES * (3 + MOST_BYTES))

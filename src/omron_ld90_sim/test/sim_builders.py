@@ -171,13 +171,16 @@ class Client:
         return text.split('\r\n')[:-1]
 
     def ask(self, *commands: str) -> List[str]:
-        """Sends commands; returns the lines that came at once."""
+        """Sends commands; returns the lines that come without further simulated time."""
         self.lines()
         self.send(*commands)
         return self.lines()
 
     def until(self, beginning: str, times: int = 1, seconds: float = 200.0) -> List[str]:
-        """The lines up to the first that begins with `beginning`; the simulated time is limited."""
+        """Runs the simulation until `times` lines begin with `beginning`; returns all new lines.
+
+        Fails if they do not come within `seconds` of simulated time.
+        """
         seen = self.lines()
         end = self._rig.clock.now + seconds
         while sum(line.startswith(beginning) for line in seen) < times:

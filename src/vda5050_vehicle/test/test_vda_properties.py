@@ -206,7 +206,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.started)
     @rule(data=st.data(), succeeded=st.booleans())
     def an_action_ends(self, data, succeeded):
-        """Ends an action that was started, perhaps long ago: ends are reported late, or twice."""
+        """Ends an action that may have started long ago: the end is reported late, or twice."""
         self.lab.end_action(data.draw(st.sampled_from(self.lab.started)), succeeded)
 
     @rule()

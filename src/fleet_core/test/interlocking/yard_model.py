@@ -858,7 +858,9 @@ class Yard:
             belief=self._known[key], stale=True))
 
     def _brought_in(self, ids: Tuple[int, ...], k: int) -> int:
-        """The robot after a person has brought it back at the place that the fleet manager knows.
+        """The id of the robot after a person has returned it to service.
+
+        It must stand where the fleet manager believes it to be; otherwise nothing changes.
         """
         side = self._sides[ids[k]]
         vehicle = side.vehicle

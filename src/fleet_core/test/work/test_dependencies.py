@@ -81,7 +81,7 @@ def test_the_end_of_a_mission_lets_the_next_one_begin_or_fail(until, end, state)
 
 
 @pytest.mark.parametrize('after, told', [
-    (2, 'there is no mission 2'), (9, 'there is no mission 9'), (1, 'has ended: FAILED')])
+    (2, 'mission 2, but there is no'), (9, 'mission 9, but there is no'), (1, 'has ended: FAILED')])
 def test_a_mission_comes_only_after_missions_that_can_still_be_done(after, told):
     book = MissionBook()
     accept(book, 1, ())

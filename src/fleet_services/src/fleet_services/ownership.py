@@ -121,9 +121,10 @@ def copy_all(source: IO[bytes], into: IO[bytes]) -> None:
 
 
 def put_file(place: Path, content: IO[bytes], mode: int, kept: Optional[Path] = None) -> None:
-    """Writes the whole file, or keeps the old one. Never follows a link with the file's name.
+    """Writes a file completely; if this fails, the old file stays unchanged. If the name belongs to
+    a link, the link is replaced, not followed.
 
-    kept -- the name under which the old file is kept
+    kept -- the old file gets this name; None: the old file is overwritten
     """
     unfinished = place.with_name(f'{place.name}.unfinished')
     unfinished.unlink(missing_ok=True)

@@ -140,8 +140,7 @@ class DrivenRobot:
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes the time of the robot's next event; the present time means that it is unknown.
-        """
+        """Computes the time of the robot's next event; if it is unknown, takes the present time."""
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)

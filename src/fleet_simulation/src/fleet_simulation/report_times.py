@@ -1,4 +1,4 @@
-"""Decides when a simulated robot reports: at changes, when its place matters, and else every few s.
+"""Decides when a simulated robot reports: at changes, when its place matters, and every few s.
 
 A real robot reports ten times a second, but few of these reports change anything. A simulated robot
 reports its place only when a decision of the supervisor can depend on this place:
@@ -21,7 +21,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
-_AGAIN = 0.2        # s, the same after the robot has left the place for which the other one waits
+_AGAIN = 0.2        # s, longest such time after the robot has left the place that the other awaits
 _BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 

@@ -41,8 +41,8 @@ class StudiedSite:
     """All inputs of a run, except the number of robots and the seed.
 
     settings -- of each robot in the fleet file, by its name
-    starts   -- ids of vertices on which robots of all types may stand for ever; the robots of a
-                fleet that is larger than that of the fleet file begin on these, evenly spread
+    starts   -- ids of vertices on which robots of all types may stand for ever. If the fleet is
+                larger than in the fleet file, its robots begin on these vertices, evenly spread
     parking  -- ids of the vertices on which the planner may park robots
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan

@@ -40,8 +40,8 @@ class WorkTimes:
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration given for the vertex, else for the station, else for everywhere;
-        None: none.
+        """Returns the duration that the file gives for the vertex; if there is none, for the
+        station; if there is none either, for all places. None: the file gives none of the three.
         """
         for at in (str(vertex), station, ''):
             if (type, at) in self.steps:

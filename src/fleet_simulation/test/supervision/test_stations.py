@@ -31,7 +31,10 @@ STAY = 12.0  # s of work at a place
 
 
 class FleetAtStations(SupervisedFleet):
-    """A fleet that checks the robots in stations in each step and records the arrivals in order."""
+    """A fleet that checks in each step that no station contains more robots than its capacity.
+
+    It also records the order of arrivals.
+    """
 
     def __init__(self, graph: Graph, robots: Mapping[str, int], *stations: Station,
                  **more: Any) -> None:

@@ -114,7 +114,7 @@ def test_a_plan_for_another_question_is_refused_with_the_reason(outcome, words):
 
 
 def test_robots_that_follow_each_other_around_do_not_wait_in_a_ring():
-    """A robot has reached fraction 0 of a drive before the drive begins."""
+    """A robot counts as having reached fraction 0 of a drive before the drive begins."""
     outcome = in_order(Constraint('a', 1, 0.0, 'b', 1), Constraint('b', 1, 0.0, 'a', 1))
     assert fault_of(outcome, TASKS, GRAPH) == ''
 

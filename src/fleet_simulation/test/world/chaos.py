@@ -351,8 +351,8 @@ class Chaos:
                            [e for e in YARD.edges.values() if e.id != edge]))
 
     def _used(self) -> Set[int]:
-        """Returns the edges that each graph must have, because robots are or may still drive on
-        them.
+        """Returns the edges that each graph must have, because a robot is on them, or may
+        still drive on them.
         """
         fleet = self.fleet
         used: Set[int] = set()
@@ -440,7 +440,8 @@ class Chaos:
     def end(self) -> None:
         """Ends all faults, brings all robots into service, and checks that each mission ends.
 
-        It also checks that the state in which each mission ended is true.
+        It also checks for each mission that its final state agrees with what happened. For example,
+        a mission that SUCCEEDED must have visited all its destinations.
         """
         fleet, limit = self.fleet, self.fleet.now + 100.0
         fleet.disk.fails(False)
@@ -488,7 +489,7 @@ class Chaos:
         return not self.fleet.supervisor.book.open
 
     def _check_end(self, request: Request) -> None:
-        """Checks that the state in which a mission ended is true."""
+        """Checks that the final state of a mission agrees with what happened."""
         stored = self.promises.stored(request.id, request.stamp)
         told = self.promises.told(request)
         assert stored is not None or told in (None, MissionState.REFUSED), f'{request} is lost'

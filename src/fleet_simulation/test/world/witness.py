@@ -24,7 +24,7 @@ Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m; a robot within this distance of a vertex has visited the vertex
-CLOSE = 0.5  # m; if a moved robot has less free space to another robot, missions of both may fail.
+CLOSE = 0.5  # m; if a moved robot has less free space to another one, missions of both may fail.
 #              The second robot stops where it is, so the same holds for a third robot near it.
 _LOOKS_AFTER = 2  # samples after a status until the robot's place at the status is known
 STANDS = 0.15  # m by which a stopped robot may still move
@@ -102,7 +102,7 @@ class Witness:
     # -- actions of the caller ---------------------------------------------------------------------
 
     def ask(self, mission: int, destinations: Sequence[int], now: float) -> None:
-        """Notes that a mission was requested, which the fleet can serve."""
+        """Notes the request of a mission that the fleet can serve."""
         self._missions[mission] = _Mission(destinations, now)
 
     def cancel(self, mission: int) -> None:

@@ -1,4 +1,4 @@
-"""Reports ROS time that stands still or steps back, for nodes under /use_sim_time.
+"""Reports when ROS time stands still or steps back, for nodes under /use_sim_time.
 
 Such a node works, but everything that it publishes has the same time. Receivers then ignore it,
 because they see nothing new. Without this report, nothing would name the cause.
@@ -20,7 +20,10 @@ _REMEDY = ('Start what publishes /clock (a simulator, `rosbag play --clock`), or
 
 
 class ClockWatch:
-    """The task `clock` of a node's diagnostics; it also logs each change."""
+    """The task `clock` of a node's diagnostics.
+
+    It also logs when ROS time stops, steps back, or moves on again.
+    """
 
     def __init__(self, ros_time: Callable[[], float] = rospy.get_time,
                  clock: Callable[[], float] = time.monotonic) -> None:

@@ -36,7 +36,7 @@ class Master:
     def restore(self) -> None:
         self._answer(True)
         self.restored += 1
-        # the first of the two registrations reached the master before its end
+        # the first of the two registrations reached the master before the master ended
         self.known = 1 if self.ends_in_between else 2
 
 
@@ -69,7 +69,10 @@ def test_a_master_that_ends_while_a_node_registers_is_told_the_rest():
 
 
 class Rosmaster:
-    """The functions of a ROS master for a node. Registrations come through `notify_added`."""
+    """Replaces the ROS master in tests: it has the functions that a node calls.
+
+    A test registers a topic or service with `notify_added`.
+    """
 
     def __init__(self) -> None:
         self.nodes: List[str] = []

@@ -129,8 +129,8 @@ class Attribution:
 
     def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
-        """Returns the row that decides in this part, and the commands of the line. Empty: no row
-        holds.
+        """Returns the first row of this part that holds, and the commands to which the line
+        belongs. Returns nothing if no row holds.
         """
         for row in ATTRIBUTIONS[part]:
             if row.lines and type(reply) not in row.lines or (
@@ -143,7 +143,7 @@ class Attribution:
 
     def _apply(self, part: LinePart, reply: Reply, text: str, now: float,
                claimed: bool = False) -> Sequence[Execution]:
-        """Applies the row that decides to the commands of the line, and returns these commands."""
+        """Applies the row to the commands to which the line belongs, and returns these commands."""
         for row, executions in self._decide(part, reply, claimed):
             for execution in executions:
                 if isinstance(row.meaning, Outcome):

@@ -2,13 +2,15 @@
 
     event                                     waiting              sent
     a stop is given                           drives: ended        -
-    the connection accepts data               sent; or it waits;   -
-                                              or it is too late:
-                                              ended
+    the connection accepts data               sent; if its epoch   -
+                                              is old: ended; a
+                                              query may wait for
+                                              an earlier query
     a newer drive is acknowledged, or         -                    older drives and stops: ended
     completed at once
     a stop has succeeded                      -                    older drives and stops: ended
-    its lines, a doubt or its time end it     -                    ended
+    the last line of the command, a doubt,    -                    ended
+    or its time limit
     it is cancelled; the link breaks          ended                ended
 
 Invariants: nothing is sent twice. A command ends once. Drives and stops are sent in the order of
@@ -56,7 +58,7 @@ class CommandQueue:
         return [execution for execution in self.drives if self.records.has_begun(execution)]
 
     def add(self, execution: Execution) -> None:
-        """Takes a command; raises Busy. A stop overtakes all waiting commands, and ends the waiting
+        """Adds a command; raises Busy. A stop overtakes all waiting commands, and ends the waiting
         drives.
         """
         if execution.command.spec.stops:

@@ -351,7 +351,7 @@ class Drives:
             self.heard.broke_off and newest.kind is RecordKind.FOREIGN_DRIVE)
 
     def knows(self, giver: Giver, epoch: int) -> bool:
-        """Returns whether no other giver has acted since `epoch`, which `giver` knows."""
+        """Returns whether no other giver has acted since `epoch`, the epoch that `giver` knows."""
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
 
     def stop_due(self, now: float) -> bool:
@@ -905,7 +905,7 @@ class Drives:
             for r in self._records)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
-        """Returns whether our last command was a stop, and the robot shows nothing else."""
+        """Returns whether our last command was a stop, and the robot shows no activity after it."""
         last = self._records[-1] if self._records else None
         return last is not None and last.kind is RecordKind.STOP and last.fate is Fate.OVER and (
             activity.kind is ActivityKind.STOPPED or last.shown == _shown(activity))

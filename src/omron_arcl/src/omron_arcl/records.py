@@ -209,7 +209,7 @@ class DriveMemory:
 
     @property
     def goal(self) -> str:
-        """The goal of the ruling drive."""
+        """The goal of the ruling record (see `drives`); empty if it has none."""
         return self.ruling.goal if self.ruling else ''
 
     @property

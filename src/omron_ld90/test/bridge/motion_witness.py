@@ -1,4 +1,4 @@
-"""A witness that records commands and what each giver knows, and finds violations of the rules."""
+"""A witness that records commands and the knowledge of each giver, and finds broken rules."""
 from __future__ import annotations
 
 from collections import Counter
@@ -240,7 +240,7 @@ class Witness(DelayedDrive):
         self.given_at, self.drives = self.now, self.drives + drives
 
     def _judge_stop(self, giver: Giver, known: Word) -> None:
-        """Checks that a stop ends no acknowledged drive that the giver of the stop does not know.
+        """Checks that no stop ends an acknowledged drive that the giver of the stop does not know.
         The stop may end such a drive if another stop is on its way already.
         """
         records = self._controller.motion.memory.records
@@ -623,8 +623,9 @@ class Witness(DelayedDrive):
         else:
             self._stop_came_at, self._stopped = self.now, self._stops_sent.pop(0)
             self._before_stops.clear()
-            # If a stop of another client crosses a drive, the controller sends a stop after the
-            # drive. If another client's drive seemed to be ours, our stop seems to be another's.
+            # Two cases are allowed. If another client's stop crosses a drive, the controller sends
+            # a stop after the drive. If another client's drive seemed to be ours, then our stop
+            # seems to come from the other client.
             crosses = (any(map(self._crosses_anothers, self._anothers_stops))
                        or self.now <= self._mixed_up_at + AT_ONCE)
             if (not crosses and self._controller.motion.memory.drives

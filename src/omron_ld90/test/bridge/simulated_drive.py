@@ -163,10 +163,11 @@ class SimulatedDrive:
         return float(curves.query(self.path[since:])[0].max())
 
     def first_nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
-        """Returns the smallest distance (m) of the path from a vertex, and the sample there.
+        """Returns how near (m) the driven path comes to a vertex, and the index of the nearest
+        sample.
 
         The search begins at sample `since`. Only the first approach to less than a metre counts. If
-        there is none, returns infinity and the last sample.
+        there is none, returns infinity and the number of samples.
         """
         away = np.hypot(*(np.array(self.path[since:]) - self.graph.vertex(vertex).position).T)
         near = np.flatnonzero(away < 1.0)

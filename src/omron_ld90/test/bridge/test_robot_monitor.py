@@ -228,7 +228,7 @@ def own(epoch: int) -> MotionTold:
 
 
 def others(epoch: int, cause: EpochCause, number: int) -> MotionTold:
-    """Returns the event that others have acted and the robot does not obey our last drive."""
+    """Returns an event: others have acted, and the robot does not obey our last drive."""
     return MotionTold(epoch, reason='why', cause=cause,
                       is_ours=cause is EpochCause.EMERGENCY_STOP, number=number,
                       fate=CommandFate.NOT_OBEYED)

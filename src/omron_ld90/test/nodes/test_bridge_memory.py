@@ -86,7 +86,9 @@ def test_a_record_comes_back_with_its_age(parameters, record):
 
 
 def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
-    """Once, after a power cut and a clock set back, the bridge continued a route of hours ago."""
+    """Once, the bridge continued a route that was hours old: the clock was set back after a power
+    cut.
+    """
     memory = parameters.memory()
     memory.keep(RECORD)
     memory.close()

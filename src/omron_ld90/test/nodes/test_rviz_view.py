@@ -80,7 +80,10 @@ def test_a_view_that_is_not_from_above_is_left_alone():
 
 @pytest.fixture
 def site(tmp_path) -> tuple:
-    """Returns a map outside the shipped view, and the path for its RViz configuration."""
+    """Writes a map that the view of the shipped RViz configuration does not show.
+
+    Returns the path of the map, and a path for an RViz configuration.
+    """
     room(0, 0, 90000, 90000).save(str(tmp_path / 'site.map'))
     return str(tmp_path / 'site.map'), tmp_path / 'site.rviz'
 

@@ -106,8 +106,9 @@ class Canvas:
     def write(self, path: str, is_named: bool = True) -> Tuple[int, int]:
         """Writes the picture as a PNG file in one step; returns its size in pixels.
 
-        is_named -- whether the user gave `path`; if not, only a file of ld_map is replaced
-        Raises MapError if it cannot be written.
+        is_named -- whether the user gave `path`; if not, an existing file is replaced only if
+                    ld_map wrote it
+        Raises MapError if the file cannot be written.
         """
         width, height = self._image.size
         image = self._image.resize((width // SUPERSAMPLING, height // SUPERSAMPLING),

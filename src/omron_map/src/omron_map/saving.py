@@ -14,7 +14,8 @@ MADE_BY = 'written by ld_map'  # in each file whose name the program may choose
 def write_file(path: str, data: bytes, backup: bool = False, is_named: bool = True) -> None:
     """Replaces a file; with `backup` the old file stays as `<path>.bak`. Raises MapError.
 
-    is_named -- whether the user gave the name; if not, only a file of ld_map is replaced
+    is_named -- whether the user gave the name; if not, an existing file is replaced only if ld_map
+                wrote it
     """
     try:
         replace_file(path, data, backup=f'{os.path.realpath(path)}.bak' if backup else None,

@@ -38,7 +38,7 @@ class OuterRegion(NamedTuple):
 
 
 def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
-    """Yields the outer regions around and inside `floor`.
+    """Yields the regions outside `floor`: the one that surrounds it, and those that it encloses.
 
     The result is the same for every version of GEOS. All versions make the same shapes, but begin
     their lists of corners at different corners; this function puts them in a fixed order.
@@ -72,8 +72,8 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """Returns the corners (N,2) of a closed ring. The lowest of the leftmost corners is the first,
-    and again the last.
+    """Returns the corners (N,2) of a closed ring. The lowest of the leftmost corners stands both at
+    the beginning and at the end.
 
     Corners that are equal when rounded to micrometres are merged.
     """

@@ -247,7 +247,7 @@ class Vehicle:
     def take_order(self, order: RouteOrder, done: int) -> None:
         """Takes a route.
 
-        done -- number of the edge on which the vehicle is, as in the judgement
+        done -- record number of the edge on which the vehicle is, as `judge` has returned it
         """
         if self._takes_over(order):
             self.begin_epoch(EpochCause.OTHER_MASTER)

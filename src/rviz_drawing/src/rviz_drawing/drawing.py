@@ -89,7 +89,10 @@ def _drawable_letter(letter: str) -> str:
 
 def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
           polylines: Iterable[np.ndarray], z: float, frame: str = FRAME) -> Marker:
-    """Returns one marker with all polylines, each (N, 2); without polylines, a deletion."""
+    """Returns one marker with all polylines, each (N, 2).
+
+    If there are no polylines, the marker deletes an older marker.
+    """
     marker = shape(Marker.LINE_LIST, namespace, number, paint, (width, 0.0, 0.0),
                    frame=frame)
     for polyline in polylines:

@@ -162,7 +162,8 @@ def change_edge(draft: Draft, id: int, **fields: Any) -> Draft:
 
 
 def turn_edge_round(draft: Draft, id: int) -> Draft:
-    """Exchanges origin and destination of an edge and their values; a spline keeps its shape.
+    """Exchanges the origin and the destination of an edge, and the parameters and speeds of its two
+    directions. A spline keeps its shape.
 
     A spline follows the headings of its vertices, so both headings are turned round. The operation
     is refused if this would bend another spline.

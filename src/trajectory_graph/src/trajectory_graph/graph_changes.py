@@ -1,8 +1,8 @@
 """Compares an edge in two graphs, for robots that are on the edge or will drive it.
 
-The node that replaces a graph uses this comparison, and so do the robots that continue their routes
-on the new graph. During a drive the speeds of an edge may change. Its id, ends, curve and docks may
-not change.
+The comparison is used by the node that replaces a graph, and by the robots that continue their
+routes on the new graph. During a drive the speeds of an edge may change. Its id, ends, curve and
+docks may not change.
 """
 from __future__ import annotations
 

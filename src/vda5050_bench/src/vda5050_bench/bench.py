@@ -2,9 +2,8 @@
 
 The vehicle must stand on the track. Before each rule the bench cancels the vehicle's order and
 drives the vehicle to an end of the track. A vehicle that breaks a rule of level MUST gets the
-outcome BROKEN. A vehicle that does not follow a recommendation (SHOULD), or a rule that only
-follows from the standard (DERIVED), gets the outcome "not followed", which does not change the
-exit status.
+outcome BROKEN. If a vehicle does not follow a recommendation (SHOULD), or a rule that only follows
+from the standard (DERIVED), the outcome is "not followed". It does not change the exit status.
 """
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ class Conflicts(NamedTuple):
     """For each place the places that exclude it at one distance; rows as in a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
-    fractions of edge p, driven forward or backward, after which `other` is free again. If `other`
-    is not free even at the end, they are 1. For a vertex p they have no meaning.
+    fractions of edge p, driven forward or backward, after which `other` is free again. They are 1
+    if `other` is not free even at the end of p. For a vertex p they have no meaning.
     """
 
     starts: np.ndarray     # (P + 1,)
@@ -208,9 +208,9 @@ class Exclusions:
 
 
 class _Pairs:
-    """A growing set of ordered pairs of places.
+    """A growing set of ordered pairs of places: `place` excludes `other`.
 
-    The part of `place` from the fraction `low` to the fraction `high` excludes `other`.
+    Of `place`, only the part from the fraction `low` to the fraction `high` excludes `other`.
     """
 
     def __init__(self, places: int) -> None:

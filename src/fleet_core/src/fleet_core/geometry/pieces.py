@@ -30,8 +30,8 @@ class Pieces(NamedTuple):
     end: np.ndarray     # (2, N) m, equal to the start for a vertex
     begins: np.ndarray  # (N,) 0..1, fraction of the edge's arc length at `start`
     ends: np.ndarray    # (N,) the same at `end`; in between, the fraction grows evenly
-    margin: np.ndarray  # (N,) m: the largest distance of the curve from the piece's point at the
-                        # same arc length
+    margin: np.ndarray  # (N,) m: the largest distance between a point of the curve and the point
+                        # of the piece at the same fraction of the length
 
 
 class Splines(NamedTuple):
@@ -119,8 +119,8 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
 
 def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np.ndarray,
              step: int) -> np.ndarray:
-    """Returns for each chord its largest distance (m) from its part of the curve, where points
-    at the same arc length are compared.
+    """Returns how far (m) each chord is from its part of the curve: the largest distance between
+    two points that lie at the same fraction of the chord and of the arc.
 
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """

@@ -237,7 +237,7 @@ class Claims:
         self._note(name)
 
     def _stretches(self, edges: Iterable[int], rest: Rest) -> Iterator[FrozenSet[str]]:
-        """Yields what each run of edges needs; in a run, each edge needs something."""
+        """Yields what each run of edges needs. In a run, every edge needs something."""
         run = NOTHING
         for number, edge in enumerate(edges):
             needed = self.needs.of_edge(edge, WHOLE if number else rest)

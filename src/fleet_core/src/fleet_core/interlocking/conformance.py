@@ -232,7 +232,10 @@ class Conformance:
         return kept[1]
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
-        """Returns whether the state is that of the last check: each change makes new objects."""
+        """Returns whether the state has not changed since the last check.
+
+        Each change makes new objects.
+        """
         before = self._seen.get(name)
         now = self._seen[name] = master.allocation, master.protocol, master.last_sent
         return before is not None and before[2] == now[2] and (

@@ -296,9 +296,9 @@ class RouteMaster:
 
     @property
     def _locations_elsewhere(self) -> Tuple[Located, ...]:
-        """Those of the last two locations that are not on a place that the robot has.
+        """Of the last two locations, those that are on no place of the robot.
 
-        The older of the two counts only if it was a stray one.
+        The older location counts only if it was stray.
         """
         if self._elsewhere is None:
             record = self.record
@@ -685,7 +685,7 @@ class RouteMaster:
         self._changed()
 
     def doubt(self) -> None:
-        """Notes that the restored state is that of an older journal: the robot may be anywhere.
+        """Notes that the restored state comes from an older journal: the robot may be anywhere.
 
         An order that the journal does not know may still be on its way. So the doubt ends when the
         robot stands after a stop that is given from now on.

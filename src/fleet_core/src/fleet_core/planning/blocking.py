@@ -142,7 +142,10 @@ class Blocking:
 
     @cached_property
     def _edge_blocks(self) -> Tuple[List[slice], array[int], Tuple[array[float], array[float]]]:
-        """The rows of the edges, without vertices: rows, numbers of edges, and clear fractions."""
+        """The edges that each edge blocks, as three lists: for each edge, the slice of its entries
+        in the other lists; the numbers of the blocked edges; the clear fractions (forward and
+        backward).
+        """
         starts, other, forward, backward, _ = self.conflicts
         is_edge = other >= self._network.vertices
         bounds = np.concatenate(([0], np.cumsum(is_edge)))[starts[self._network.vertices:]].tolist()
@@ -154,7 +157,7 @@ class Blocking:
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # A pair with an edge makes two blocks, one for each direction. One with a vertex makes one.
+        # A pair with an edge makes two blocks, one for each direction; one with a vertex, one.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

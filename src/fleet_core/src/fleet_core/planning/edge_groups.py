@@ -4,8 +4,8 @@ Draw the drives of one robot along x and those of another robot along y. Mark ea
 that exclude each other. The two plans are a path through this picture that passes each mark on one
 side. Marks that touch each other, also at a corner, form a *group*. One order holds for all marks
 of a group, whether the robots drive through it one behind the other or against each other. The path
-may pass the group on its other side instead, except if one of the robots was granted a drive in the
-group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
+may pass the group on its other side instead, with one exception: one of the robots was granted a
+drive in the group, stands in it already, or ends in it. (Edge grouping: Feng et al., AAAI 2025.)
 """
 from __future__ import annotations
 

@@ -76,7 +76,10 @@ class LargeNeighbourhoodSearch:
                 best, self.paths = cost, dict(self._now)
 
     def _try(self, names: Sequence[str], more: float, deadline: float) -> float:
-        """Plans these robots again together, for at most `more` extra cost. Returns the gain."""
+        """Plans these robots again together. Returns how much less the new paths cost.
+
+        The new paths may cost more than the old ones, but at most `more`.
+        """
         group = shuffled((self._all[name] for name in names), self._random)
         before = sum(self._now[name].cost for name in names)
         enough = before * (1.0 - _CLOSE) + more

@@ -190,7 +190,9 @@ class _Orders:
         return None if open_nodes else times
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
-        """Returns the times, as far as they are known, and the nodes that wait for ever."""
+        """Returns the times with the `chosen` groups reversed, and the nodes that then wait for
+        ever. The times of these nodes are not known.
+        """
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
         side = [False] * (len(self._groups) + 1)  # the last entry stands for no group

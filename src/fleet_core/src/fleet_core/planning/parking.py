@@ -167,7 +167,7 @@ class WellFormedSets:
         return parked
 
     def _exchanged(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
-        """Replaces one vertex by two others, as often as that is possible and checks are left."""
+        """Replaces one vertex by two others, again and again, until the checks are used up."""
         better = True
         while better:
             better = False

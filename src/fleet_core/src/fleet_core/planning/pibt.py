@@ -295,7 +295,7 @@ class Pibt:
         return begun < (1.0 - part[0] if drive & 1 else part[1])
 
     def _stands_on(self, robot: int, path: AbstractSet[int]) -> bool:
-        """Returns whether a robot is on a path of vertices, or between two of them."""
+        """Returns whether a robot stands on a vertex of a path, or between two of its vertices."""
         if not self._is_mid_edge(robot):
             return self._vertex[robot] in path
         drive = self._mid_edge[robot].drive

@@ -287,8 +287,8 @@ class PlanningPipeline:
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
-        """Returns the deadline for a search: after half of the remaining time, if another search
-        can use the other half.
+        """Returns the deadline for a search: `deadline`, or half of the remaining time from now if
+        another search can use the other half.
         """
         if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
             return deadline

@@ -248,8 +248,8 @@ def _check_numbers(task: Task) -> None:
     numbers = (task.begun, task.ready, *task.dwells,
                *(() if task.mid_edge is None else task.mid_edge[1:]))
     if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
-        raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
-                         'fractions below 1.')
+        raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers, 0 or more; '
+                         'fractions must be below 1.')
     if task.dwells and len(task.dwells) != len(task.destinations):
         raise CannotPlan(f'Robot {task.name} has {len(task.destinations)} destinations but '
                          f'{len(task.dwells)} dwells; give one for each.')

@@ -282,7 +282,7 @@ class ReservationTable:
 
     def at_point(self, kind: RobotType, observer: RobotType,
                  mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
-        """Returns each (slot, lead) that a robot between two vertices blocks."""
+        """Returns (slot, lead) for each slot that a robot between two vertices blocks."""
         return self.blocking[kind, observer].beside(self.places_near(kind, observer, mid_edge))
 
     def places_near(self, kind: RobotType, other: RobotType,
@@ -301,6 +301,6 @@ class ReservationTable:
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
-    """Returns what the rest of a drive blocks after its fraction `begun` is driven."""
+    """Returns the blocks that are left of a drive when the fraction `begun` of it is driven."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]

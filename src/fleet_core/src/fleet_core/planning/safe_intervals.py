@@ -115,7 +115,7 @@ def _next(heap: List[_Entry], newest: Optional[_Entry],
           best: Mapping[int, float]) -> Optional[_Entry]:
     """Takes the entry with the lowest cost; entries whose key has an earlier state are dropped.
 
-    newest -- an entry that is not in the heap yet; often it is the one that is taken
+    newest -- an entry that is not in the heap yet; often this entry is taken
     """
     while heap or newest:
         entry = heappushpop(heap, newest) if newest else heappop(heap)

@@ -86,7 +86,7 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
         text = (f'The graph holds {_robots(one.robots)} of type {one.type} without cutting any '
                 f'robot off, docks kept free{beside}; the fleet has {count[one.type]}')
         if count[one.type] > total:
-            yield Remark(True, f'{text}: they will block each other for good, take some out or '
+            yield Remark(True, f'{text}: they will block each other for good; take some out or '
                          'give the graph more dead-end parking.')
         else:
             yield Remark(False, f'{text}.')
@@ -94,7 +94,7 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
         text = (f'All types together have {len(found.parking)} parking places, for '
                 f'{_robots(len(fleet.robots))}')
         if len(fleet.robots) > len(found.parking):
-            yield Remark(True, f'{text}: they will block each other for good, take some out or '
+            yield Remark(True, f'{text}: they will block each other for good; take some out or '
                          'give the graph more dead-end parking.')
         else:
             yield Remark(False, f'{text}.')

@@ -180,7 +180,7 @@ def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:
-    """Returns edges longer than `LONG` following distances; the one that costs most comes first."""
+    """Returns edges longer than `LONG` following distances; the most costly edge comes first."""
     graph = network.graph
     lengths = {id: graph.curve(id).length for id in graph.edges}
     long = [id for id, length in lengths.items() if length > LONG * distance]

@@ -64,7 +64,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
-        # by the robots that may serve a mission: what it waits for if none of them is free
+        # what a mission waits for if no robot that may serve it is free; by these robots
         busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
             names = acceptance.robots_for(mission.request)

@@ -248,7 +248,7 @@ class ChargerDesk:
 
     def _why_none(self, one: Candidate, turns: Mapping[str, int], stays: List[_Stay],
                   network: RoadNetwork, now: float) -> str:
-        """Returns what a robot that must charge and has no turn waits for, in words."""
+        """Returns, in words, what a robot waits for if it must charge but has no turn."""
         robot = self._robots[one.robot]
         docks = docks_of(robot, network)
         if not docks:

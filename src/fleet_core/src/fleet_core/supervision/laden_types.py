@@ -58,7 +58,10 @@ class LadenTypes:
         return self._of(self._laden, kind, loads)
 
     def ready(self, kind: RobotType, loads: AbstractSet[str]) -> RobotType:
-        """Returns the type of an empty robot that has room to take each of these types of load."""
+        """Returns the type of a robot that is empty, but is to take one of these types of load.
+
+        Its radius is already that of the robot with the load.
+        """
         return self._of(self._ready, kind, loads)
 
     def _of(self, types: Mapping[Tuple[str, str], RobotType], kind: RobotType,

@@ -138,7 +138,8 @@ class MissionBook:
         for one in request.after:
             other = self._last.get(one.mission)
             if other is None:
-                raise RequestRefused(f'there is no mission {one.mission} after which it could come')
+                raise RequestRefused(f'it must wait for mission {one.mission}, but there is no '
+                                     'such mission')
             if other.state.is_open:
                 found.append(replace(one, serial=other.serial))
             elif not _is_met(one, other):

@@ -12,7 +12,7 @@ from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
 
 NEAR = 10.0    # s before its deadline: a mission that is not expected to end by then is at risk
-AGAIN = 30.0   # s before its deadline: a mission at risk is in time again if it will end by then
+AGAIN = 30.0   # s: a mission at risk is in time again if it will end this long before its deadline
 PERIOD = 1.0   # s between two estimates
 
 

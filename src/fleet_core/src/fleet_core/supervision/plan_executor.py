@@ -56,8 +56,8 @@ class PlanExecutor:
     `advance` runs one step. It asks the interlocking for the edges that are due in the order of the
     plan. It asks the planner for a new plan if the present one is not useful any more.
 
-    Grants go on while the planner works. They may make its answer useless. Then, until the next
-    answer, only the edges that the question counts as released are granted.
+    Grants go on while the planner works, and may make the planner's answer useless. Then, until
+    the next answer, only the edges that the question counts as released are granted.
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock

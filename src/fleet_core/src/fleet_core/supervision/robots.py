@@ -238,9 +238,9 @@ class ManagedRobot:
     def other_beginning(self) -> Optional[GraphPosition]:
         """Returns another starting place to be tried after a refusal; None: there is none.
 
-        Each robot decides by itself how near to a vertex it must be to stand on it. So if it
-        refused a route that begins on the edge, the vertex near it is tried, and if it refused a
-        route that begins at the vertex, the edge is tried.
+        Each robot decides by itself how near to a vertex it must be to stand on the vertex. If the
+        robot refused a route that begins on an edge, the vertex near the robot is tried. If it
+        refused a route that begins at a vertex, the edge is tried.
         """
         record, master = self.record, self.master
         if not self._has_refused or not master.is_ready:

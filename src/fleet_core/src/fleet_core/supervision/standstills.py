@@ -1,4 +1,4 @@
-"""Predicts how long a robot that stands on its route will still stand, from past standstills."""
+"""Predicts from past standstills how many more seconds a robot will stand on its route."""
 from __future__ import annotations
 
 from collections import deque
@@ -22,7 +22,7 @@ class Standstills:
         """Time since which each robot has had something to drive."""
 
     def further(self, robot: ManagedRobot, now: float) -> float:
-        """Returns the seconds for which a robot will probably still stand.
+        """Returns how many more seconds a robot will probably stand.
 
         0: it drives, or has nothing to drive.
         """

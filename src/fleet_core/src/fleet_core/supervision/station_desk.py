@@ -83,7 +83,7 @@ class StationDesk:
         return None
 
     def places_of(self, name: str) -> Tuple[bool, Tuple[QueuePlace, ...]]:
-        """Returns whether the places of a resource are equal, and its queue places in order.
+        """Returns whether any place of a resource will do, and its queue places in order.
 
         For a resource that is not a station: False, and no queue places.
         """
@@ -217,10 +217,10 @@ class StationDesk:
         return StationLimit(reach, True, place, is_there, is_in_the_way and place is None)
 
     def _reach(self, name: str, mission: Mission) -> Optional[int]:
-        """Returns the number of a mission's destinations before the next station for which its
+        """Returns how many destinations of a mission come before the next station for which its
         robot has no turn.
 
-        None: there is no such station among the next destinations.
+        None: none of the next destinations is at such a station.
         """
         first = mission.reached
         some = mission.request.destinations[first:first + WINDOW]

@@ -70,7 +70,7 @@ class StationRoom:
         return frozenset() if station is None else self._occupancies[station.name].leaving
 
     def why_full(self, station: Target) -> str:
-        """Returns what a mission to a full station or charger waits for, in words."""
+        """Returns, in words, what a mission waits for if its station or charger is full."""
         taken = self._occupancies[station.name]
         if isinstance(station, Charger):
             users = map('{}, {}'.format, taken.robots, taken.doing)

@@ -143,7 +143,7 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        # (robot, resource): the robot is where it needs a device that does not report to be open
+        # (robot, resource): the robot is at a place that needs a device, which does not report open
         self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
@@ -470,7 +470,8 @@ class Supervisor:
     def _judge_devices(self, now: float) -> None:
         """Tells the interlocking which devices are open.
 
-        Logs each robot that is where it needs a device which does not report that it is open.
+        Logs each robot at a place for which a device must be open, if the device does not report
+        that it is open.
         """
         self.devices.update_open(now)
         lost = set() if self._is_starting else set(self._claims.lost())

@@ -22,14 +22,14 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.standstills import Standstills
 
 PERIOD = 1.0  # s between two searches
-LIMIT = 0.02  # s of the clock that one search may take
+LIMIT = 0.02  # s of real time that one search may take
 
 
 class OrderSwitching:
     """Looks for a better order, at most once in PERIOD.
 
     clearance -- m that stays free between any two robots
-    limit     -- s of the clock that one search may take
+    limit     -- s of real time that one search may take
     """
 
     def __init__(self, clearance: float, limit: float = LIMIT) -> None:

@@ -115,7 +115,7 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
 
 
 def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
-    """Returns what a robot that may drive waits for on its errand."""
+    """Returns what a robot waits for on its errand although it may drive."""
     mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:

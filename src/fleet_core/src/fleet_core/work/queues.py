@@ -148,7 +148,7 @@ class _Turns:
 
 
 def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others: Others) -> Queue:
-    """Returns the queue of a station after anything has changed."""
+    """Returns the queue of a station that follows `before`, with the robots that wait now."""
     known = {one.robot: one for one in waiters}
     turns = _Turns(station, known, others)
     turns.keep(before.turns)
@@ -169,11 +169,11 @@ def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
     """Returns whether one more waiter would find a place of the station, or a queue place, beside
     all waiters.
 
-    If not, it could only wait elsewhere, perhaps in the way. A charger has no queue.
+    If not, the waiter could only wait elsewhere, perhaps in the way. A charger has no queue.
 
     places  -- places that suit the new waiter
     waiters -- for each other waiter, the places that suit it
-    others  -- their `at` does not count, because robots there make room
+    others  -- `at` is ignored, because the robots at these places make room
     """
     wishes = [tuple(one) for one in (*waiters, places)]
     free = set(station.places) - set(others.kept)

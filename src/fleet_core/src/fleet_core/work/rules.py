@@ -134,7 +134,7 @@ def place_not_to_enter(work: Work) -> Optional[int]:
 
 
 def time_left(work: Work, now: int) -> float:
-    """Returns the seconds until the timeouts of all running steps have passed; NaN: none runs.
+    """Returns the seconds until the timeouts of all running steps have passed; NaN: no step runs.
 
     `now`: ms since 1970.
     """
@@ -186,7 +186,7 @@ def _has_stop(work: Work) -> bool:
 
 
 def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
-    """Returns the step that is to begin now; None: none is."""
+    """Returns the step that is to begin now; None: no step."""
     work = situation.work
     if work.is_ending or not nobody_is_asked(work):
         return None
@@ -408,7 +408,7 @@ def _event(situation: Situation, place: StepPlace, event: StepEvent, text: str =
 def _done(situation: Situation, place: StepPlace) -> Situation:
     effect, load = situation.work.step(place).load, situation.load
     change = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[effect]
-    if effect and load.state is not LoadState.UNKNOWN:  # a person did it after it had failed
+    if effect and load.state is not LoadState.UNKNOWN:  # a person did the failed step
         situation = situation._replace(load=_changing(load, situation.work.step(place)))
     return _known(_event(situation, place, StepEvent.DONE), place, change)
 
@@ -513,7 +513,10 @@ def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situ
 
 
 def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
-    """Returns why a step cannot get this answer, in words that follow its name; '': it can."""
+    """Returns why a person cannot give this answer to the step; '': the answer is possible.
+
+    The text continues a sentence that begins with the name of the step.
+    """
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
     if said is StepDecision.RETRY and work.is_ending:
@@ -569,7 +572,7 @@ def settle(situation: Situation) -> Situation:
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
         elif is_open and own.seen is not Seen.OVER:
             situation = _update(situation, place, is_ended=True)
-        elif is_open:  # if it moves the load, a person must say where the load is
+        elif is_open:  # a person must say where a load is that the step moves
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
     work = situation.work
     if any(open_steps(work)):

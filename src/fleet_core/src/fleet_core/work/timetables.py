@@ -87,7 +87,7 @@ class DueRun(NamedTuple):
 def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> DueRun:
     """Returns the newest run after `last` that is due.
 
-    last -- `last` of the previous result; None: the timetable is new, and begins with this minute
+    last -- `last` of the previous result; None: the timetable is new and begins at `now`
     """
     is_set_back = last is not None and last > now + DAY
     since = now - 1 if last is None or is_set_back else last

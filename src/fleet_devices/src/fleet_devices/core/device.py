@@ -311,7 +311,7 @@ class DeviceMachine:
         return request.number > use.number
 
     def _is_read(self, taken: Taken) -> bool:
-        """Returns whether an exchange with a reading began after the use was taken."""
+        """Returns whether the device was read in an exchange that began after the use was taken."""
         return self.read > taken.begun
 
     def _continues(self, settled: Optional[bool]) -> bool:

@@ -49,7 +49,7 @@ class Devices:
 
     memory -- the stored data; a device that is missing there starts with the memory LOST
     store  -- stores a new memory; raises OSError if it cannot
-    least_run -- the number of this run is at least this
+    least_run -- the smallest number that this run may have
     """
 
     def __init__(self, limits: Mapping[str, DeviceLimits], memory: StoredDevices,

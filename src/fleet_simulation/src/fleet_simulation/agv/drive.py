@@ -142,7 +142,7 @@ class AgvMotion:
         return not self.at_rest or not hold and not (self.at_end and self._turn_to is None)
 
     def _compute(self, hold: bool, emergency: bool) -> None:
-        """Computes the phases of the motion, unless the inputs of the phases are unchanged."""
+        """Computes the phases of the motion again if one of their inputs has changed."""
         turns = self._turns
         cause = hold, hold and emergency, turns, self.pace, self.path, self.speeds
         if cause == self._cause:
@@ -165,7 +165,7 @@ class AgvMotion:
                                         braking)
 
     def _pass(self, seconds: float, hold: bool, emergency: bool) -> float:
-        """Simulates `seconds`, but at most the rest of the phase. Returns the time simulated."""
+        """Simulates `seconds`, but at most to the end of the phase. Returns the time simulated."""
         self._compute(hold, emergency)
         turns = self._turns
         if not self._phases:

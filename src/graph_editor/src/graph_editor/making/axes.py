@@ -46,7 +46,10 @@ def _apart(one: float, other: float) -> float:
 
 
 def _refined(quarter: np.ndarray, peak: float) -> float:
-    """Returns the mean direction around a peak; exactly 0 if this direction is almost along x."""
+    """Returns the mean of all wall directions within 5 degrees of a peak of the histogram.
+
+    Returns exactly 0 if this mean is almost along x or y.
+    """
     offsets = (quarter - peak + math.pi / 4.0) % (math.pi / 2.0) - math.pi / 4.0
     around = offsets[np.abs(offsets) < math.radians(5.0)]
     axis = (peak + (float(around.mean()) if len(around) else 0.0)) % (math.pi / 2.0)

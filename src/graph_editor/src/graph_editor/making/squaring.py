@@ -26,7 +26,7 @@ CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at t
 
 
 class _Corner(NamedTuple):
-    """The replacement of a slant."""
+    """A corner that can replace a slant."""
 
     way: float  # m; length of the path between the ends of the slant through the corner
     position: np.ndarray

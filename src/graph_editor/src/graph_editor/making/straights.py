@@ -30,8 +30,8 @@ class Margin(NamedTuple):
 def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
     """Returns margins in descending order.
 
-    The first margin is that of all other lanes. The last margin is the smallest with which a
-    robot's own path search works.
+    All other lanes have the first margin. The last margin is the smallest with which a robot's own
+    path search works.
     """
     return (Margin(options.turning, options.tight),
             Margin(options.least_turning, options.tight),

@@ -66,8 +66,9 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
 
 def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
                    back: Optional[np.ndarray]) -> float:
-    """Returns the area (m2) that would be unserved if the lane ended at `back`; None: without the
-    lane.
+    """Returns the area (m2) that no lane would serve if this lane ended at `back`.
+
+    back -- None: if this lane were removed
     """
     lane = net.lane(tip, base)
     kept = [np.array(net.ends(other)) for other in net.lanes if other.nodes != lane.nodes]

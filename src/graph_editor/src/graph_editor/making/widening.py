@@ -2,8 +2,8 @@
 
 A robot is wider across its corners than across its sides. So there are places that a robot can
 pass, but where it cannot turn. If a lane bends at such a place, or is hardly wider than the robot,
-new lanes between near places to turn replace it. The new lanes have the largest possible margin. If
-no margin is possible, no lane leads through the place.
+new lanes replace it, between places nearby where the robot can turn. The new lanes have the largest
+possible margin. If no margin is possible, no lane leads through the place.
 """
 from __future__ import annotations
 
@@ -144,8 +144,8 @@ def _bends(net: LaneNet, node: int) -> bool:
 
 
 def _cluster(net: LaneNet, corner: int, least: Margin, held: Set[int]) -> Set[int]:
-    """Returns the nodes to replace: a corner, and near nodes that are too narrow or have only two
-    lanes.
+    """Returns the nodes to replace: a corner, and those nodes near the corner that are too narrow
+    or have only two lanes.
     """
     tight = set(_too_narrow(net, least)) - held
     cluster, ahead = {corner}, [corner]

@@ -233,7 +233,10 @@ class Board:
         return True
 
     def _meant(self, feedback: InteractiveMarkerFeedback) -> Tuple[str, int]:
-        """Returns kind and id of the element under the mouse: the nearest element of the handle."""
+        """Returns kind and id of the element under the mouse.
+
+        If the handle stands for several elements, this is the one nearest to the mouse.
+        """
         what, _, group = feedback.marker_name.rpartition(' ')
         place = _place_of(feedback.mouse_point)
         if what == handles.EDGES:

@@ -1,7 +1,7 @@
 """Puts an edited graph in force, so that robots drive on it.
 
 - If a fleet manager runs, only the fleet manager publishes /graph. Its `graph_server` reads the
-  file again; it refuses, and names the robot, if a robot drives on a changed element.
+  file again. If a robot drives on a changed element, it refuses the graph and names the robot.
 - Otherwise the editor publishes /graph. A robot refuses the graph while it drives on a changed
   element.
 """

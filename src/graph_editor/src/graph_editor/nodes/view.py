@@ -59,6 +59,6 @@ def main() -> None:
         with open(path, 'w', encoding='utf-8') as stream:
             stream.write(text)
     except ERRORS as error:
-        print(f'The view is not fitted to the map; RViz opens with the view of {path}: {error}',
-              file=sys.stderr)
+        print(f'The view {path} cannot be fitted to the map ({error}). RViz opens with this view '
+              'unchanged.', file=sys.stderr)
     os.execvp('rviz', ['rviz', '-d', path, *rendering_arguments(), *arguments])

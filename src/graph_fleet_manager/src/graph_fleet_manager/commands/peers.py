@@ -34,11 +34,11 @@ def peers(addresses: str, fleet_file: str) -> List[str]:
     wrong = next((address for address in found if not is_address(address)), None)
     if wrong is not None:
         raise ValueError(f'{wrong!r} is neither an IPv4 address nor the name of a computer: set '
-                         'peer:=ADDRESS to that of the computer with the other ROS master.')
+                         'peer:=ADDRESS to the address of the computer with the other ROS master.')
     if fleet_file:
         found += load_computers(fleet_file).values()
     if not found:
         where = f', and no robot in {fleet_file} has a computer:' if fleet_file else ''
-        raise ValueError('There is no ROS master to join with: set peer:=ADDRESS to that of the '
-                         f'computer with the other one{where}.')
+        raise ValueError('There is no ROS master to join with: set peer:=ADDRESS to the address of '
+                         f'the computer with the other ROS master{where}.')
     return list(dict.fromkeys(found))

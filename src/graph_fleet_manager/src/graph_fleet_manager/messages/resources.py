@@ -33,7 +33,7 @@ def machine_messages(views: Iterable[MachineView]) -> List[msg.FleetMachine]:
 
 
 def machine_of(message: msg.FleetMachine) -> MachineView:
-    """Returns the machine in a message. A state that this version does not know is SILENT."""
+    """Returns the machine in a message. An unknown state is read as SILENT."""
     state = next((one for one in MachineState if one == message.state), MachineState.SILENT)
     return MachineView(message.name, state, tuple(message.vertices), message.key, message.robot,
                        message.serial)

@@ -214,7 +214,7 @@ class HandedJob:
     def settled(self) -> HandedJob:
         """Returns the job without its modification, if the modification has ended.
 
-        The modification of a job that has ended is refused.
+        If the job itself has ended, its modification counts as refused.
         """
         if not self.wanted:
             return self

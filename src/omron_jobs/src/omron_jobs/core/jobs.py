@@ -255,8 +255,9 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
 
 def _as_placed(job: QueuedJob, segment: JobSegment, index: int, mission: JobMission
                ) -> Tuple[JobSegment, List[SegmentChange]]:
-    """Returns a segment, and the changes to send, after the mission has shown whether a change of
-    goal was done. If the change cannot be done, the segment gets its former goal again.
+    """Compares the new goal of a segment with the mission. Returns the segment and the changes to
+    send. If the mission refused the new goal, or if it came too late, the segment gets its former
+    goal back.
     """
     other = segment.other
     if other is None or index >= len(mission.places):

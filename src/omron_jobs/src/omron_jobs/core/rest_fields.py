@@ -58,7 +58,7 @@ class Fields:
         return value
 
     def word(self, name: str) -> str:
-        """Returns an id that fits into a line of ARCL; empty: left out. Raises WrongRequest."""
+        """Returns an id that fits into a line of ARCL; empty: none. Raises WrongRequest."""
         value = self.text(name)
         if '"' in value or len(value.split()) > 1 or value != value.strip():
             raise WrongRequest(f'{name} must have no blanks and no quotation marks.')

@@ -208,7 +208,9 @@ class _Connection(asyncio.Protocol):
         self._is_let_in = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begins if the other side is a peer."""
+        """Accepts the connection if its address is one of the `peers` and there is room for one
+        more client. Otherwise aborts the connection.
+        """
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info('peername')
         self._is_let_in = bool(peer) and self._port.joins(self, peer[0])

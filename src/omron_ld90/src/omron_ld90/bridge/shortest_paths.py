@@ -77,8 +77,8 @@ def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) ->
     short.
 
     The robot is `arc` m along `edges[0]`. A path is about as short if it is at most `margin` (m)
-    longer than the part that it bypasses. Every path that leaves the edges must join them again. If
-    it does so before the last vertex, it still counts as a detour to the last vertex.
+    longer than the part that it bypasses. A path that joins the edges again before the last vertex
+    counts as a detour, too.
     """
     lengths = accumulate((graph.curve(edge).length for edge in edges), initial=0.0)
     vertices = [graph.start_vertex(edges[0]).id] + [graph.end_vertex(edge).id for edge in edges]

@@ -39,7 +39,7 @@ class Refusals:
                                           tcp_nodelay=True)
 
     def refused(self, text: str, caller: str, reason: str) -> None:
-        """Reports the failure of a command or pose that came by a topic; `reason` is a sentence."""
+        """Reports the failure of a command or pose that came on a topic; `reason` is a sentence."""
         warn('refused', f'{reason} Requested by {caller}.')
         refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)
         refusal.header.stamp = rospy.Time.now()

@@ -40,7 +40,8 @@ class LocalizeQuestion:
     def is_confirmed(self, place: Place, now: float) -> bool:
         """Returns whether the person has chosen this place a second time within ASKED_FOR s.
 
-        A first choice opens the question at the time `now` (s).
+        If this is the first choice of the place, notes it with the time `now` (s): the person must
+        then choose the same place again.
         """
         asked, self._asked = self._asked, (place, now)
         if asked is None or asked[0] != place or now - asked[1] > ASKED_FOR:
@@ -49,7 +50,7 @@ class LocalizeQuestion:
         return True
 
     def forget(self) -> None:
-        """Closes the question, because the person has done something else."""
+        """Forgets the first choice, because the person has done something else."""
         self._asked = None
 
 
@@ -64,7 +65,7 @@ class LocalizingWatch:
         self._awaited = _Awaited(words, place, now)
 
     def observe(self, reply: Reply) -> Optional[Judged]:
-        """Takes a reply of the robot. Returns the notice if the reply has an awaited score."""
+        """Takes a reply of the robot. Returns the notice if the reply has the awaited score."""
         score = reply.localization_score if isinstance(reply, OneLineStatus) else reply
         return self._judged(score.score) if isinstance(score, LocalizationScore) else None
 

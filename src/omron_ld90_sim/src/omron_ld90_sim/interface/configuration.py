@@ -38,7 +38,7 @@ class ConfigParameter:
                 f'"{self.description}" "{self.hint}" ""')
 
     def check(self, value: str) -> None:
-        """Raises ValueError, with a sentence, for a value that does not have the type or range."""
+        """Raises ValueError, with a sentence, for a value of another type or out of range."""
         if self.type == FLAG:
             if value.lower() not in ('true', 'false'):
                 raise ValueError(f"{self.name} must be true or false, not '{value}'")

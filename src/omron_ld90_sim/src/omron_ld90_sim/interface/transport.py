@@ -43,7 +43,10 @@ class ConnectedSession(Protocol):
 
 
 class Server(Protocol):
-    """The interface that a port needs of its server: a robot, or a recording of one."""
+    """The interface of a server, as a TCP port requires it.
+
+    The server is a simulated robot, a simulated Fleet Manager, or the playback of a session log.
+    """
 
     configuration: RobotConfiguration
     online: bool

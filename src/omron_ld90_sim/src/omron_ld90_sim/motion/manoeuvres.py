@@ -27,7 +27,7 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
                lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
     """Returns the manoeuvres with which the robot follows `way`.
 
-    lead_in -- samples before `way`: they end at its start, and are straight there. The robot drives
+    lead_in -- samples that end at the start of `way` with a straight part. The robot drives along
     them first, and rounds the corner at their end if possible
     entry_speed -- mm/s at the first sample of `lead_in`
     """
@@ -125,7 +125,7 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
 
 def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: Space,
             clearance: float) -> Optional[np.ndarray]:
-    """Returns samples around the corner a-v-b, beginning at `at`.
+    """Returns poses along a curve that rounds the corner a-v-b and begins at or after `at`.
 
     Returns None if the robot must stop to turn.
     """
