@@ -97,7 +97,7 @@ class RecklessFleet(CorruptedFleet):
     """
 
     haste = 0.05
-    """Probability of such a request per time step."""
+    """Probability per time step of a request without checks."""
 
     def _supervise(self) -> None:
         super()._supervise()

@@ -1,5 +1,4 @@
-"""The demand of a site: flows of missions. Random numbers from a seed draw them before a run
-begins.
+"""The demand of a site: flows of missions, which are drawn from a seed before a run begins.
 """
 from __future__ import annotations
 
@@ -16,7 +15,7 @@ _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 @dataclass(frozen=True)
 class Shift:
-    """A time, `begin` to `end` in hours from the start, with `per_hour` missions per hour."""
+    """A period with `per_hour` missions per hour; `begin` and `end` are in hours from the start."""
 
     begin: float
     end: float

@@ -1,9 +1,9 @@
-"""Decides when a simulated robot reports: at changes, when its place matters, and else every few s.
+"""Decides when a simulated robot reports: at changes, when its place matters, and every few s.
 
 A real robot reports ten times a second, but few of these reports change anything. A simulated robot
 reports its place only when a decision of the supervisor can depend on this place:
 
-- when the rest of its route is only as long as the supervisor grants ahead,
+- when the end of its route comes as near as the distance that the supervisor grants ahead,
 - when it leaves a place for which another robot waits according to the plan. This time is computed.
   As long as it cannot be computed, the robot reports every `WAITED` s.
 - when any robot ends its route or the status of a mission changes: the supervisor may then ask the
@@ -21,8 +21,8 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
-_AGAIN = 0.2        # s, the same after the robot has left the place for which the other one waits
-_BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
+_AGAIN = 0.2        # s; like WAITED, after the robot has left the place for which the other waits
+_BEHIND = 0.001     # m by which a robot drives past a point, because its place is rounded
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
 
@@ -82,8 +82,8 @@ class ReportTimes:
         self._moved: Set[str] = set()
         """Robots that were driven, or got an order, since the supervisor's last event."""
         self._granted: Dict[str, float] = {}
-        """For each robot: when the rest of its route is only as long as the supervisor grants
-        ahead.
+        """For each robot: when the end of its route comes as near as the distance that the
+        supervisor grants ahead.
         """
         self._waited: Dict[str, float] = {}
         """For each robot for which another robot waits: when its place matters."""
@@ -153,7 +153,8 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns for each robot the robots that wait for it in the plan, or for a resource it claims.
+    """Returns the waiting robots, by the robot for which they wait in the plan, or whose claimed
+    resource they wait for.
     """
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims

@@ -40,9 +40,9 @@ class OrderPolicy(Enum):
 class StudiedSite:
     """All inputs of a run, except the number of robots and the seed.
 
-    settings -- of each robot in the fleet file, by its name
-    starts   -- ids of vertices on which robots of all types may stand for ever; the robots of a
-                fleet that is larger than that of the fleet file begin on these, evenly spread
+    settings -- the settings of each robot in the fleet file, by the robot's name
+    starts   -- ids of vertices on which robots of all types may stand for ever; if a fleet is
+                larger than the fleet file's, its robots begin on these vertices, evenly spread
     parking  -- ids of the vertices on which the planner may park robots
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan
@@ -145,7 +145,7 @@ def _at_stations(work: SiteWork) -> Set[int]:
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
-    """Returns the fleet with more docks: each robot type that has docks may use the new ones, too.
+    """Returns the fleet with more docks: each robot type that has docks may also use the new ones.
     """
     types = {kind.name: replace(kind, docks=kind.docks | docks) if kind.docks else kind
              for kind in fleet.types}

@@ -32,7 +32,7 @@ class Duration:
 class WorkTimes:
     """The durations of steps and devices that a demand file gives.
 
-    steps   -- for each type of step and each station or vertex where it is done ('': everywhere)
+    steps   -- durations by the type of the step and its station or vertex ('': everywhere)
     devices -- s that each device takes to open or to close, by its name
     """
 
@@ -40,8 +40,8 @@ class WorkTimes:
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration given for the vertex, else for the station, else for everywhere;
-        None: none.
+        """Returns the duration for the vertex; without one, that for the station; without one, that
+        for all places. None: there is none.
         """
         for at in (str(vertex), station, ''):
             if (type, at) in self.steps:

@@ -80,7 +80,7 @@ class VirtualActors:
         return asked if place is None else self._seconds(mission, work, place, asked)
 
     def _seconds(self, mission: Mission, work: Work, place: StepPlace, usual: float) -> float:
-        """Draws the duration of a step. Each run with the same seed draws the same one."""
+        """Draws the duration of a step. Each run with the same seed draws the same duration."""
         vertex = work.stops[place.stop].place
         time = self._times.of_step(work.step(place).type, self._stations.get(vertex, ''), vertex)
         if time is None:

@@ -387,7 +387,7 @@ class VirtualFleet(Generic[Body]):
 
     def do(self, actions: Sequence[Action]) -> None:
         """Performs the supervisor's actions. If the supervisor is to crash now, performs only the
-        first ones.
+        first actions.
         """
         crash = self.crash
         if crash is not None and self.disk.commits >= crash.commit:
@@ -471,7 +471,7 @@ class StrictConformance(Conformance):
 
     def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
               excluding: Callable[[str], Sequence[str]], claims: Claims) -> List[Violation]:
-        """Checks an event; returns nothing."""
+        """Checks an event; returns an empty list."""
         found = super().event(robots, known, excluding, claims)
         assert not found, '; '.join(map(str, found))
         return found

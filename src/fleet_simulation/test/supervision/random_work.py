@@ -111,7 +111,7 @@ STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
 PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one `beat` to the next
-UNSEEN = 0.1  # share of openings of the door after which it fails before the robot may enter
+UNSEEN = 0.1  # after this share of its openings, the door fails before the robot may enter
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
@@ -385,7 +385,7 @@ class RandomWork(SupervisedFleet):
     # -- missions ---------------------------------------------------------------------------------
 
     def request_mission(self) -> None:
-        """A mission is requested. Sometimes it is one that was requested before."""
+        """A mission is requested. Sometimes it was already requested before."""
         draw, book = self.draw, self.supervisor.book
         if self._requests and draw.random() < 0.1:
             again = draw.choice(self._requests)
@@ -688,7 +688,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.take_out(self._any(), self.now))
 
     def robot_is_moved(self) -> None:
-        """A person takes a robot out of service, and moves it to the next vertex if that one is
+        """A person takes a robot out of service, and moves it to the next vertex if that vertex is
         free.
         """
         name = self._any()
@@ -877,7 +877,7 @@ class RandomWork(SupervisedFleet):
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
         assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
-        if rules.is_at_work(work) and not self.reckless:  # then robots move in NONE steps
+        if rules.is_at_work(work) and not self.reckless:  # a reckless fleet moves in NONE steps
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_sent(self, sent: SendStep) -> None:

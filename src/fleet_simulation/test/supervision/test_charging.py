@@ -1,4 +1,4 @@
-"""Robots charge on request or when they are idle: when charging ends, which robot is first, claims.
+"""Robots charge on request or when they are idle: the end of charging, its order, and claims.
 """
 from __future__ import annotations
 

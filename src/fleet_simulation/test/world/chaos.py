@@ -337,8 +337,8 @@ class Chaos:
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
-        """Uses a graph without the edge behind a robot, a graph without another edge, or the whole
-        graph.
+        """Uses a graph without the edge behind a robot, a graph without some other edge, or the
+        whole graph.
         """
         agv = self.fleet.agvs[robot]
         edge = 0
@@ -351,8 +351,8 @@ class Chaos:
                            [e for e in YARD.edges.values() if e.id != edge]))
 
     def _used(self) -> Set[int]:
-        """Returns the edges that each graph must have, because robots are or may still drive on
-        them.
+        """Returns the edges that each graph must have, because robots are on them or may still
+        drive on them.
         """
         fleet = self.fleet
         used: Set[int] = set()

@@ -118,7 +118,7 @@ class Promises:
             return
         fleet, name = self.fleet, order.robot
         is_repeated = order.repeated
-        is_void = fleet.agvs[name].ignores(route_order(order.order))  # for ever, by its epoch
+        is_void = fleet.agvs[name].ignores(route_order(order.order))  # for ever
         assert self.stopped is None or self.stopped.is_past and is_void, (
             f'{order} though the fleet is stopped: {fleet.picture()}')
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'

@@ -110,7 +110,7 @@ class RareChaos(Chaos):
         self._react()
 
     def _pushed(self, robot: str, number: int) -> Tuple[int, float]:
-        """Returns the next place of a robot that is pushed: forward, if `number` is odd."""
+        """Returns the next place of a pushed robot; it is pushed forward if `number` is odd."""
         agv = self.fleet.agvs[robot]
         length = YARD.curve(agv.edge).length
         edge, arc = (agv.edge, agv.arc) if number % 2 else (-agv.edge, length - agv.arc)
@@ -162,7 +162,7 @@ class RareChaos(Chaos):
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:
-        """Waits at most 6 s, until each robot stands that excludes another robot and can be
+        """Waits, for at most 6 s, until no robot drives that excludes another robot and can be
         stopped.
         """
         fleet = self.fleet

@@ -46,7 +46,7 @@ class AgvMotion:
         """Factor on all speeds, above 0 and at most 1."""
         self.driven = 0.0
         """Distance (m) driven so far."""
-        self._phases: List[DrivePhase] = []   # of the motion up to the next stop, or of a turn
+        self._phases: List[DrivePhase] = []   # motion up to the next stop, or a turn
         self._cause: Optional[Tuple[object, ...]] = None  # inputs of the phases
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
@@ -54,8 +54,8 @@ class AgvMotion:
 
     @property
     def edge(self) -> Optional[int]:
-        """The signed id of the present edge, or of the last edge at the end; None: there is no
-        path.
+        """The signed id of the present edge (at the path's end, of the last edge); None: there is
+        no path.
         """
         return self.path[min(self.index, len(self.path) - 1)] if self.path else None
 
@@ -235,7 +235,8 @@ class AgvMotion:
     def _ahead(self, path: Sequence[int], index: int, arc: float,
                horizon: float) -> Iterator[Tuple[float, float]]:
         """Yields the distance (m) to each speed limit ahead, and this limit (m/s). A stop is a
-        limit of 0."""
+        limit of 0.
+        """
         base = -arc
         for number in range(index, len(path)):
             for begin, limit in self.speeds.along(path[number]):

@@ -1,4 +1,4 @@
-"""The steps of one simulated AGV: what it remembers of them, their durations, and faults on demand.
+"""The steps of one simulated AGV: its memory of them, their durations, and requested faults.
 
 Every type of step is carried out. Its duration is the parameter `seconds`, or `SECONDS` without
 this parameter. A simulation may draw the duration instead.

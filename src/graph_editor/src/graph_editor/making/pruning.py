@@ -16,7 +16,7 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 LEAST_FLOOR = 1.0  # m2; a dead end stays if no other lane serves this much floor
-LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, where bays are better
+LEAST_IN_CORNER = 6.0  # m2; LEAST_FLOOR of a dead end into a corner, where bays are better
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
 WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if no other lane serves this much floor
 NARROW_IS_WORSE = 3.0  # a lane whose corridor does not fit must be this many times as useful
@@ -94,8 +94,7 @@ def _widens(tip: int, chain: Chain) -> bool:
 
 
 class _Pruner:
-    """Prunes a skeleton. For this it counts, for each cell of the floor, the chains that serve the
-    cell.
+    """Prunes a skeleton. Counts how many chains serve each cell of the floor.
     """
 
     def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
@@ -107,8 +106,8 @@ class _Pruner:
         self._take_up(graph.chains)
 
     def prune_dead_ends(self) -> None:
-        """Removes dead ends that serve hardly any floor that no other lane serves, the least useful
-        first.
+        """Removes dead ends, the least useful first, if other lanes serve almost all floor that
+        they serve.
         """
         while True:
             uses = [(self._use_of_dead_end(node, chain), node, chain)
@@ -224,7 +223,7 @@ def _is_short(graph: ChainGraph, chain: Chain) -> bool:
 
 def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
     """Moves both ends of a chain to its middle if the adjacent chains are visible from there.
-    Returns whether it did.
+    Returns whether the ends were moved.
     """
     steps = np.linalg.norm(np.diff(chain.path, axis=0), axis=1)
     middle = int(np.searchsorted(np.cumsum(steps), chain.length / 2.0)) + 1

@@ -16,7 +16,7 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 STEP = 0.2  # m between the points of a chain at which a piece may end
-STRAYING = 4.0  # cost per m2 of squared deviation and m of length
+STRAYING = 4.0  # cost per m3 of squared deviation times length
 LONGEST = 150  # largest number of steps in a piece
 
 
@@ -73,8 +73,8 @@ def _stops(path: np.ndarray) -> List[int]:
 
 
 def _moments(path: np.ndarray) -> np.ndarray:
-    """Returns (N,6): for each point of the path, the integrals of 1, x, y, x2, xy, y2 along the
-    path up to it.
+    """Returns (N,6): the integrals of 1, x, y, x2, xy, y2 from the start of the path to each of its
+    points.
     """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     x, y = ((path[1:] + path[:-1]) / 2.0).T
@@ -83,7 +83,8 @@ def _moments(path: np.ndarray) -> np.ndarray:
 
 
 def _straying(starts: np.ndarray, end: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Returns integrals (N,; m3) along the path of its squared distance from straight lines.
+    """Returns how far the path strays from straight lines (N,; m3): the squared distance between
+    path and line, integrated along the path.
 
     The lines lead from `starts` (N,2) to `end`. The integral is infinite if start and end coincide.
 

@@ -192,8 +192,8 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOpti
 
 def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
                   options: MakingOptions) -> np.ndarray:
-    """Returns places to turn (N,2) that are nearest to the parts of the lanes without space to
-    turn.
+    """Returns the places to turn (N,2) that are nearest to those parts of the lanes where robots
+    cannot turn.
     """
     places = places_to_turn(net.floor, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]

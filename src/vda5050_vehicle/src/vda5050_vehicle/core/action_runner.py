@@ -67,7 +67,7 @@ class ActionRunner:
     def end(self, action_id: str, status: ActionStatus, text: str) -> None:
         """Ends an action for good.
 
-        If an action of the order fails that forbids driving, the vehicle does not drive on.
+        If a failed action of the order forbids driving, the vehicle does not drive on.
         """
         entry = self._state.actions[action_id]
         if entry.status.has_ended:

@@ -231,7 +231,7 @@ class VdaVehicle:
     def _must_stop_now(self) -> bool:
         """Returns whether an instant action requires a stop now.
 
-        The actions of a node require none: the vehicle drives on to the node and stands there.
+        For the actions of a node, the vehicle drives on to the node and stands there.
         """
         actions = self.state.actions
         return any(actions[name].forbids_driving and not actions[name].belongs_to_order
