@@ -356,8 +356,7 @@ class RouteWorld:
         return protocol.Vehicle(lambda: epochs + 1, lambda: reports + 1, world.robot.state)
 
     def _after(self, world: World, end: protocol.Vehicle, **changes: object) -> World:
-        """The state after a change of `end`; a robot that lost its route may roll on.
-        """
+        """The state after a change of `end`; a robot that lost its route may roll on."""
         robot, orders, epochs, reports = (world.robot, *world.drawn)
         rolls = robot.rolls
         if robot.state.is_running and not end.state.is_running:

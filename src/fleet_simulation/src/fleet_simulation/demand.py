@@ -1,5 +1,4 @@
-"""The demand of a site: flows of missions, which are drawn from a seed before a run begins.
-"""
+"""The demand of a site: flows of missions, which are drawn from a seed before a run begins."""
 from __future__ import annotations
 
 from dataclasses import dataclass

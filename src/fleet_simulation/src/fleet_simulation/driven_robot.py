@@ -137,12 +137,11 @@ class DrivenRobot:
 
     @property
     def _drives(self) -> bool:
-        """Whether the robot drives now in this sense: the next random stop comes nearer."""
+        """Whether the present time counts as driving, and the next random stop comes nearer."""
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes the time of the robot's next event; uses the present time if it is unknown.
-        """
+        """Computes the time of the robot's next event; uses the present time if it is unknown."""
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)

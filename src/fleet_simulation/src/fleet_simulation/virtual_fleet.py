@@ -151,7 +151,7 @@ class VirtualFleet(Generic[Body]):
     loss     -- probability (0..1) that a message is lost
     repeats  -- probability (0..1) that a message that is not lost comes twice
     planning -- s until the planner answers
-    settings -- of all robots, or of each robot by its name
+    settings -- one value for all robots, or one for each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check of the allocations to the next

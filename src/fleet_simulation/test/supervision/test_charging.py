@@ -1,5 +1,4 @@
-"""Robots charge on request or when they are idle: the end of charging, its order, and claims.
-"""
+"""Robots charge on request or when idle: the end of charging, its order, and claims."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -31,7 +31,8 @@ class Reporter:
         self._asked = True
 
     def answer(self) -> None:
-        """Makes a state due that answers a message of the master; see the module's docstring."""
+        """Makes a state due as the answer to a message of the master; see the module's
+        docstring."""
         self._answers = True
 
     def is_due(self, state: StateMessage, now: float) -> bool:

@@ -26,8 +26,7 @@ TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPlace],
              frame_id: str, options: MakingOptions) -> Graph:
-    """Returns the graph. Its vertices and edges are numbered from 1, row by row from the top.
-    """
+    """Returns the graph. Its vertices and edges are numbered from 1, row by row from the top."""
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
     positions = positions or {node: net.positions[node] for node in net.nodes}
     vertices: Dict[int, Vertex] = {}

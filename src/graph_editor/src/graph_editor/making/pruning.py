@@ -50,7 +50,7 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Removes dead ends that hardly leave the widest free disc around their start.
+    """Removes dead ends that hardly reach beyond the widest free disc around their start.
 
     All spurs of a junction are removed together: at the end of a corridor there are two spurs into
     its corners, and neither spur is the real end of the corridor.
@@ -94,8 +94,7 @@ def _widens(tip: int, chain: Chain) -> bool:
 
 
 class _Pruner:
-    """Prunes a skeleton. Counts how many chains serve each cell of the floor.
-    """
+    """Prunes a skeleton. Counts how many chains serve each cell of the floor."""
 
     def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
         self._graph = graph
@@ -174,12 +173,12 @@ class _Pruner:
                 heapq.heappush(waiting, (0.0, made.id, made))
 
     def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
-        """Returns the use of a dead end; a dead end with a use of 1 or more stays."""
+        """Returns how useful a dead end is; it stays if the result is 1 or more."""
         least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
         return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
-        """Returns the use of a side of a loop; a side with a use of 1 or more stays.
+        """Returns how useful a side of a loop is; it stays if the result is 1 or more.
 
         None: no other path connects the ends of the chain.
         """

@@ -148,8 +148,8 @@ class VdaVehicle:
     def _judge_epoch(self) -> None:
         """Reports a failure if another program or person has driven or stopped the robot.
 
-        A new epoch shows this if this vehicle commands no motion. Only the master may then
-        continue the drive. If an action commands the motion, the new epoch belongs to the action.
+        A new epoch shows this if neither the drive nor an action of this vehicle commands motion.
+        After this failure, only the master may continue the drive.
         """
         state, epoch = self.state, self.state.drive.epoch
         if not epoch or epoch == state.epoch:
