@@ -475,7 +475,7 @@ class RouteWorld:
         return Found(len(before))
 
     def bring_to_rest(self, world: World) -> None:
-        """Checks that a robot that must not drive on gets a stop when the network works."""
+        """Checks that a robot gets a stop if it must not drive on and the network works."""
         for _ in range(3):
             if not (world.desk.held or world.desk.cancels):
                 return

@@ -42,7 +42,7 @@ class Rhythm(NamedTuple):
 
 
 class ReportingRobot(Protocol):
-    """The properties of a simulated robot on which the times of its reports depend."""
+    """The properties of a simulated robot that determine when it reports."""
 
     graph: Graph
     kind: RobotType

@@ -69,8 +69,8 @@ class StudiedSite:
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.
 
-        If the fleet file has enough robots, these are its first ones. Otherwise robots of its
-        types are added in turn, and all robots begin on `starts`. Raises WrongSite if the graph
+        If the fleet file has enough robots, the result is the first of them. Otherwise robots of
+        its types are added in turn, and all robots begin on `starts`. Raises WrongSite if the graph
         cannot park that many robots.
         """
         if count <= len(self.fleet.robots):
@@ -92,7 +92,8 @@ class StudiedSite:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """Returns each robot's settings. An added robot has those of the first robot of its type.
+        """Returns each robot's settings. An added robot has the settings of the first robot of its
+        type.
         """
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:

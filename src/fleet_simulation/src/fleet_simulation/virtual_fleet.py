@@ -149,7 +149,7 @@ class VirtualFleet(Generic[Body]):
     robots   -- for each robot's name: its type, and the id of the vertex on which it begins
     make     -- creates a robot from its name, type and vertex
     loss     -- probability (0..1) that a message is lost
-    repeats  -- probability (0..1) that a message that is not lost comes twice
+    repeats  -- probability (0..1) that a message comes twice if it is not lost
     planning -- s until the planner answers
     settings -- one value for all robots, or one for each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices

@@ -6,7 +6,7 @@ records the truth, which the fleet manager does not know: which steps are being 
 often each step was done, and for each robot its load and its place.
 
 A *step* of the test is one event of the fleet manager: a message, a command of a person, a tick, or
-a start. Events have weights: events with which work goes on are more frequent than disturbances.
+a start. Events have weights: events that continue the work are more frequent than disturbances.
 Some disturbances wait for a rare moment, and then come together (`RandomWork.combine`). Messages
 are lost, repeated and reordered; messages to robots and devices may also be delayed.
 
@@ -19,7 +19,7 @@ Invariants, after each step (letters as in the docstrings of `claims` and `work_
     resource has more robots than its capacity, and the door of a robot is open
 (e) a step is stored under its key before it begins; with each key it begins only once, and a done
     step never begins again; a person is asked about an unknown outcome
-(f) a robot counts as EMPTY or LOADED only if it is; the mission of a load keeps its robot
+(f) a robot counts as EMPTY or LOADED only if it is; a mission with a load keeps its robot
 (g) a robot at work stands at its stop, and does not move during a step whose blocking is not NONE;
     it gets the command for such a step only at its stop, or in front of the stop
 (h) no two robots have the same queue place
@@ -168,7 +168,7 @@ class Hands(SimulatedSteps):
 class RandomWork(SupervisedFleet):
     """One random run of the fleet, which its seed determines.
 
-    reckless -- whether the interlocking is also asked for edges that are in no plan, which tests
+    reckless -- whether the interlocking is also asked for edges that are in no plan, as a test of
                 its conditions without the planner; then missions need not end
     load     -- the type of the loads, if loads restrict the robots; then missions need not end
     """
@@ -573,7 +573,7 @@ class RandomWork(SupervisedFleet):
         """Returns whether the door fails now, after it has opened for a robot that may not enter
         yet.
 
-        This uses its own random numbers, so that all other events of a seed stay the same.
+        The decision has its own random numbers, so that all other events of a seed stay the same.
         """
         claims = self.supervisor.interlocking.claims
         return self.devices['gate'].mode is DeviceMode.OPEN and any(
@@ -952,7 +952,7 @@ EVENTS = {'beat': 60.0, 'request_mission': 6.0, 'answer': 8.0, 'repair': 4.0, 'c
           'robot_is_silent': 0.2, 'robot_stalls': 0.3, 'robot_refuses': 0.1, 'robot_fails': 0.1,
           'robot_forgets': 0.1, 'robot_is_taken_out': 0.1, 'robot_is_moved': 0.2,
           'disk_is_full': 0.1, 'fleet_is_stopped': 0.1, 'station_breaks': 0.1}
-"""All events with their weights. Events with which work goes on come more often than faults."""
+"""All events with their weights. Events that continue the work come more often than faults."""
 QUIET = {name: EVENTS[name] for name in ('beat', 'request_mission', 'answer', 'repair', 'resume')}
 TROUBLE = {name: 1.0 for name in EVENTS if name not in (*QUIET, 'combine')}
 TROUBLE.update(manager_restarts=4.0, driver_restarts=3.0, cancel=2.0, change=2.0, answer=2.0,

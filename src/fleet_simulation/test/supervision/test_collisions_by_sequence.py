@@ -1,4 +1,4 @@
-"""Sequences of events after which robots were once too near to each other, without special timing.
+"""Sequences of events, without special timing, after which robots were once too near to each other.
 
 In each step, the virtual world checks the distances between all robots, and fails if two are too
 near.

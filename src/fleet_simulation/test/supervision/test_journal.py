@@ -1,5 +1,5 @@
-"""The journal: whole transactions, files of older versions, refusal of a second process, its file,
-and its growth.
+"""The journal: whole transactions, files of older versions, refusal of a second process, the file
+itself, and its growth.
 """
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
 
 
 def test_nobody_is_sent_to_where_a_robot_was_carried():
-    """From vertex 2 on, the upper path is the shorter one, until a person puts `b` on this path."""
+    """Beyond vertex 2, the upper path is the shorter one, until a person puts `b` on this path."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
                       7: (16, -6), 8: (24, 0), 9: (30, 0)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),

@@ -140,8 +140,8 @@ class RareChaos(Chaos):
             self._react()
 
     def bring_in(self, robot: str, number: int) -> None:
-        """Brings a robot into service. If it is beside its edge or too near to another robot, a
-        person moves it instead.
+        """Brings a robot into service. If the robot is beside its edge or too near to another
+        robot, a person moves it instead.
         """
         agv, supervisor = self.fleet.agvs[robot], self.fleet.supervisor
         if math.hypot(*agv.aside) > agv.kind.play:
@@ -158,7 +158,7 @@ class RareChaos(Chaos):
                 self.carry(robot, number + k)
 
     def _that_stands(self, robot: str) -> str:
-        """Returns this robot if it stands, otherwise another robot that stands, if there is one."""
+        """Returns this robot if it stands; if not, another standing robot, if there is one."""
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:

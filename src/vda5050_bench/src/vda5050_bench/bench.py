@@ -1,10 +1,9 @@
 """Tests a VDA 5050 vehicle and prints a scorecard, one line per rule of the standard.
 
 The vehicle must stand on the track. Before each rule the bench cancels the vehicle's order and
-drives the vehicle to an end of the track. A vehicle that breaks a rule of level MUST gets the
-outcome BROKEN. A vehicle that does not follow a recommendation (SHOULD), or a rule that only
-follows from the standard (DERIVED), gets the outcome "not followed", which does not change the
-exit status.
+drives the vehicle to an end of the track. If a vehicle breaks a rule of level MUST, the outcome is
+BROKEN. For a recommendation (SHOULD), and for a rule that the standard only implies (DERIVED), the
+outcome is "not followed" instead; it does not change the exit status.
 """
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The motion of a vehicle that follows edges exactly: its position, speed and heading over time.
 
 If the next edge has another direction, the vehicle stops and turns on the spot. A vehicle that can
-drive backwards turns by at most 90 degrees, until its front or its rear is ahead. No vehicle stops
-between edges that continue smoothly.
+drive backwards turns until its front or its rear is ahead, so by at most 90 degrees. No vehicle
+stops between edges that continue smoothly.
 
 Between two events the motion is known in closed form (`phases`), so one call may simulate a long
 time. The phases are computed anew when the path or the pace changes, and when a hold begins or

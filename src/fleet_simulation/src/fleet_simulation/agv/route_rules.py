@@ -58,7 +58,7 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
 def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) -> float:
     """Returns how far (m) along the first of these edges the vehicle is now.
 
-    Raises RouteRefused if the vehicle is neither at the start of this edge nor on it, or if it
+    Raises RouteRefused if the vehicle is not on this edge and not at its start, or if the vehicle
     cannot brake in time.
     """
     first = edges[0]

@@ -46,7 +46,7 @@ class SimulatedSteps:
         self._running: Dict[int, _Running] = {}
         self._faults: List[Word] = []
         self.done: List[str] = []
-        """The types of the steps that were carried out to their end, in this order."""
+        """The types of the steps that were carried out to their end, the earliest first."""
 
     @property
     def news(self) -> object:

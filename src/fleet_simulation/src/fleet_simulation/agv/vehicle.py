@@ -3,9 +3,9 @@
 States: the AGV's `motion`. In addition the AGV may be off the graph, in emergency stop, or silent.
 `route_protocol.vehicle` has the states of its route.
 Events: an order, time, a fault, an act of a person or of another program, another graph.
-Invariants: At most one giver drives the AGV. If another giver moves or stops it, a new epoch
-begins, so orders that are on their way are refused. The AGV reports at once if more than its place
-has changed.
+Invariants: At most one giver drives the AGV. If another giver moves or stops the AGV, a new epoch
+begins; orders that are then on their way are refused. The AGV reports at once if more than its
+place has changed.
 """
 from __future__ import annotations
 

@@ -46,10 +46,11 @@ class WayToFloor(NamedTuple):
 
 
 def reach_out(net: LaneNet, options: MakingOptions) -> None:
-    """Adds lanes to parts of the floor that are far from lanes and on which robots can turn.
+    """Adds lanes to those parts of the floor that are far from lanes but have space for robots to
+    turn.
 
-    The largest part comes first. Parts of less than LEAST_FLOOR m2 are ignored, and so are parts to
-    which no path leads.
+    The largest part comes first. Parts are ignored if they have less than LEAST_FLOOR m2, or if no
+    path leads to them.
     """
     floor = net.floor
     coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)

@@ -4,7 +4,7 @@ The method is least squares for all nodes at once:
 - Each lane should lie on the points of the skeleton that it represents. Narrow places have more
   weight.
 - A lane that nearly follows an axis must follow it.
-- If a condition would reduce the clearance of a lane too much, it is dropped for this lane.
+- A condition is dropped for a lane if it would reduce the clearance of this lane too much.
 """
 from __future__ import annotations
 

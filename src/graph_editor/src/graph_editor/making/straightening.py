@@ -37,7 +37,7 @@ def straighten(graph: ChainGraph, options: MakingOptions) -> LaneNet:
 def straight_pieces(floor: Floor, path: np.ndarray, wide: float) -> List[int]:
     """Returns the indices of the points of `path` (N,2) at which straight pieces begin and end.
 
-    A piece must have the clearance of its part of the path, or `wide` (m) if that is less. A path
+    A piece must have the clearance of its part of the path, or `wide` (m) if `wide` is less. A path
     that returns to its start gets at least three pieces.
     """
     stops = _stops(path)

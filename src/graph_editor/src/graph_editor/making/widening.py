@@ -2,8 +2,8 @@
 
 A robot is wider across its corners than across its sides. So there are places that a robot can
 pass, but where it cannot turn. If a lane bends at such a place, or is hardly wider than the robot,
-new lanes between near places to turn replace it. The new lanes have the largest possible margin. If
-no margin is possible, no lane leads through the place.
+it is replaced by new lanes between nearby places to turn. The new lanes have the largest possible
+margin. If no margin is possible, no lane leads through the place.
 """
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
-    """Adds a node to each lane that is too narrow, at its narrowest place."""
+    """Adds a node at the narrowest place of each lane that is too narrow."""
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
         room = net.floor.clearance_at(points)

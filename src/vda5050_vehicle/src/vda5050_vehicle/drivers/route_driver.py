@@ -81,7 +81,7 @@ class RouteDrive(DriveProgress):
 
     @property
     def route(self) -> Optional[Order]:
-        """The route of these legs that is in force or driven to its end; None: no such route."""
+        """The route of these legs, if it is in force or was driven to its end; otherwise None."""
         return None if self.origin is None else self.protocol.farthest
 
 
