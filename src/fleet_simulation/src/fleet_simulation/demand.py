@@ -35,7 +35,7 @@ class Flow:
     sources      -- vertices; each mission first visits one of them, drawn evenly; may be empty
     targets      -- vertices; each mission then visits one of them, drawn evenly
     arrivals     -- shifts, during which missions come at random times (Poisson), or `Saturated`
-    priority     -- of the missions; missions of a higher priority are served first
+    priority     -- priority of the missions; missions of a higher priority are served first
     stay         -- mean dwell at each destination, in s
     scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
     deadline     -- s from the request of a mission to its deadline; 0: no deadline

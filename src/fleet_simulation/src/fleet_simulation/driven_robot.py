@@ -79,7 +79,7 @@ class DrivenRobot:
     not drive it before `due`.
 
     vertex -- id of the vertex on which it begins
-    charge -- of the battery at the beginning, 0..1
+    charge -- charge of the battery at the beginning, 0..1
     """
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
@@ -141,7 +141,9 @@ class DrivenRobot:
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes the time of the robot's next event; uses the present time if it is unknown."""
+        """Computes the time of the robot's next event; if this is unknown, uses the present
+        time.
+        """
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)

@@ -153,8 +153,8 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns the waiting robots, by the robot for which they wait in the plan, or whose claimed
-    resource they wait for.
+    """Returns for each robot the robots that wait for it. They wait for it in the plan, or they
+    wait for a resource that it claims.
     """
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims

@@ -99,7 +99,7 @@ class VirtualRobot(ReportingRobot, Protocol):
         """Gives the robot an order; returns a refusal if the robot refuses it at once."""
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns the refusals since the last call that `receive` did not return."""
+        """Returns the refusals since the last call, except those that `receive` returned."""
 
     def report(self, stamp: float) -> RouteReport:
         """Returns the robot's report, with this stamp."""
@@ -325,7 +325,7 @@ class VirtualFleet(Generic[Body]):
         return Spent(self._stepping, self._supervising, self.planner.spent)
 
     def _hang(self, seconds: float) -> None:
-        """Lets the supervisor hang in an event for `seconds`, while the world goes on."""
+        """Lets the supervisor hang during an event for `seconds`, while the world goes on."""
         end, self.hangs = self.now + seconds, True
         while self.now < end - _TOGETHER:
             self.step()

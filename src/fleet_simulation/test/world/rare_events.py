@@ -162,7 +162,7 @@ class RareChaos(Chaos):
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:
-        """Waits, for at most 6 s, until no robot drives that excludes another robot and can be
+        """Waits, for at most 6 s, until all robots that exclude other robots stand, or cannot be
         stopped.
         """
         fleet = self.fleet

@@ -25,7 +25,7 @@ Place = Tuple[float, float]
 SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m; a robot within this distance of a vertex has visited the vertex
 CLOSE = 0.5  # m; if a moved robot has less free space to another robot, missions of both may fail.
-#              The second robot stops where it is, so the same holds for a third robot near it.
+# The second robot stops where it is, so the mission of a third robot near it may also fail.
 _LOOKS_AFTER = 2  # samples after a status until the robot's place at the status is known
 STANDS = 0.15  # m by which a stopped robot may still move
 
@@ -319,7 +319,7 @@ def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tup
 
 
 def _distance(point: Place, start: Place, end: Place) -> float:
-    """Returns the distance (m) from a point to the line segment between two others."""
+    """Returns the distance (m) from a point to the line segment between two other points."""
     length = math.dist(start, end)
     if length == 0.0:
         return math.dist(point, start)

@@ -51,7 +51,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     Where the speed is above the limit, the vehicle brakes.
 
     stretches -- length (m) and speed limit (m/s) of each
-    speed     -- m/s at the begin
+    speed -- m/s at the start
     """
     # for the end of each stretch, the last first: the highest squared speed that allows braking
     ends = [0.0]
@@ -68,7 +68,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
 def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]:
     """Returns the fastest turn by this angle to a stop.
 
-    rate -- rad/s at the begin
+    rate -- rad/s at the start
     top  -- highest rate, rad/s
     gain -- rad/s2 of acceleration and of braking
     """

@@ -28,8 +28,8 @@ NAMED_LIKE_PLACE = 1.0  # m; largest distance between a place of the map and its
 
 @dataclass(frozen=True, eq=False)
 class DrawnEdge:
-    """The curve of an edge, and the same curve as a shapely line. While an edge is unchanged, its
-    object stays the same.
+    """The curve of an edge, and the same curve as a shapely line. An unchanged edge keeps the same
+    DrawnEdge object.
     """
 
     curve: Curve

@@ -11,7 +11,7 @@ from graph_editor.floor import Floor
 
 NEAR_WALLS = (0.25, 1.0)  # m; in this range the clearance increases at right angles to the wall
 BINS = 180  # number of bins of half a degree
-SHARE = 0.12  # least length of walls along a further axis, divided by that along the first axis
+SHARE = 0.12  # least length of walls along a further axis, as a share of those along the first
 APART = 20.0  # deg; least angle between axes
 
 

@@ -36,7 +36,7 @@ TIMES = 3  # rounds of squaring and rectifying; several, because each step influ
 
 @dataclass(frozen=True, eq=False)
 class MadeGraph:
-    """A made graph. `notes` are warnings for people about the making, one sentence each."""
+    """A made graph. `notes` are warnings for people about how it was made, one sentence each."""
 
     graph: Graph
     notes: Tuple[str, ...]

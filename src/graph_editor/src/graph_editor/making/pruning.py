@@ -69,8 +69,8 @@ def _prune_spurs(graph: ChainGraph) -> None:
 def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
     """Returns whether a dead end is a spur.
 
-    The criterion is how far the free discs along the chain reach beyond the disc around its base.
-    A spur into a corner may reach farther than a spur behind a narrow place, like a door.
+    The criterion is how far the free discs along the chain reach beyond the disc at the chain's
+    base. A spur into a corner may reach farther than a spur behind a narrow place, like a door.
     """
     clearances = chain.clearances_towards(tip)
     beyond = chain.length + clearances[-1] - clearances[0]

@@ -72,7 +72,7 @@ def _direction(net: LaneNet, start: int, end: int) -> float:
 
 
 def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """Yields the free corners that could replace a slant because the slant cuts them."""
+    """Yields the free corners that a slant cuts and that could replace the slant."""
     a, b = slant.nodes
     if net.length(slant) > LONGEST_CUT:
         return

@@ -33,7 +33,7 @@ from graph_editor.site import NamedPlace
 
 NEAR = 1.5  # m; lanes within this distance of a narrow corner may be replaced
 ASIDE = 0.8  # m; places to turn are searched within this distance of the lanes
-PLACES = 120  # number of places to turn that are tried, the nearest to the narrow places
+PLACES = 120  # number of places to turn that are tried: those nearest to the narrow places
 
 
 class Gap(NamedTuple):
@@ -128,7 +128,9 @@ def _leave_out(net: LaneNet, places: Dict[int, NamedPlace], homes: Sequence[Tupl
 
 def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],
                 options: MakingOptions) -> List[int]:
-    """Returns the number of `homes` (m) from which robots can drive to each part of the net."""
+    """Returns for each part of the net the number of `homes` (m) from which robots can drive to
+    it.
+    """
     costs = ways_to_drive(net.floor, margins_of(options)[1], options,
                           np.vstack((*homes, *net.positions.values())))
     floor, _ = ndimage.label(costs != CLOSED, EVERY_NEIGHBOUR)
