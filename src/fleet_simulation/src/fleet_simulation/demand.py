@@ -52,7 +52,7 @@ class Flow:
 
     @property
     def visits(self) -> Tuple[Tuple[int, ...], ...]:
-        """For each destination of a mission, the vertices from which it is drawn."""
+        """For each destination of a mission, the vertices from which the destination is drawn."""
         return (*((self.sources,) if self.sources else ()), self.targets)
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:

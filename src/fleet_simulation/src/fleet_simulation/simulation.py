@@ -189,7 +189,9 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Adds to the time of the claims. Returns the resource for which each robot waits."""
+        """Adds `seconds` to the time of each claim. Returns the resource for which each robot
+        waits.
+        """
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

@@ -40,7 +40,7 @@ class WorkTimes:
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration for the vertex; without one, that for the station; without one, that
+        """Returns the duration of a step: the one for its vertex, or else for its station, or else
         for all places. None: there is none.
         """
         for at in (str(vertex), station, ''):

@@ -44,7 +44,7 @@ class Trial:
     ahead    -- the track, starting at the end at which the vehicle stands
     patience -- s that the drive from one node to the next may take
 
-    It has one method for each step that rules use.
+    The class has one method for each step that rules use.
     """
 
     def __init__(self, master: BenchMaster, track: Track, patience: float,
@@ -177,7 +177,8 @@ class Trial:
 
     def _index_of(self, state: Message) -> int:
         """Returns the index of the stop that was passed last; if it is unknown, of the nearest
-        stop."""
+        stop.
+        """
         ids = [stop.node_id for stop in self.track.stops]
         if state['lastNodeId'] in ids:
             return ids.index(state['lastNodeId'])

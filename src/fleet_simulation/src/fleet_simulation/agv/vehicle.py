@@ -214,8 +214,8 @@ class AgvVehicle:
 
     @property
     def next_event(self) -> float:
-        """The seconds until the AGV's report may change without an order or fault; until then only
-        the place changes.
+        """The seconds until more than the place may change in the AGV's report, if no order and no
+        fault comes.
 
         0: this time is unknown.
         """

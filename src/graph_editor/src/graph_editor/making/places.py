@@ -132,8 +132,8 @@ def _with_lane_of_its_own(net: LaneNet, place: NamedPlace, attached: Attached,
 
 def _straight_behind(net: LaneNet, position: np.ndarray, heading: float,
                      taken: Dict[int, NamedPlace], options: MakingOptions) -> Optional[int]:
-    """Returns a node straight behind a dock, at least 0.4 m away: an old node, or a new node on a
-    lane.
+    """Returns a node straight behind a dock, at least 0.4 m away: an existing node, or a new node
+    on a lane.
     """
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
@@ -187,8 +187,8 @@ def _start_of_lane(floor: Floor, place: NamedPlace,
 
 
 def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> float:
-    """Returns the clearance that a lane needs: that of a whole corridor if it is available, but at
-    least that of the robot.
+    """Returns the clearance that a lane needs: the clearance at the position, but at most that of a
+    whole corridor, and at least that of the robot.
     """
     room = floor.clearance_of(position)
     return max(min(options.wide, room), options.robot_width / 2.0)

@@ -63,9 +63,9 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
     """Replaces lanes that are too narrow, except at the nodes of `places`.
 
     If no path is found, the lanes are removed. If the net then has several parts, only one part
-    stays: the part with the largest number of places. Among equals, robots must reach the part from
-    the largest number of `homes` (m); then the longest part stays. The places of other parts are
-    removed.
+    stays: the part with the largest number of places. If this number is equal, the number of
+    `homes` (m) from which robots reach the part decides; then its length decides. The places of
+    other parts are removed.
 
     Returns the gaps.
     """

@@ -22,7 +22,8 @@ class Errors:
     - Failures stay until a person or the master deals with them.
     - Conditions of the robot stay as long as they exist.
 
-    drive, action -- failures that keep the vehicle from driving on: of its drive, or of an action
+    drive, action -- the failures, of the drive and of an action, that keep the vehicle from driving
+                     on
     """
 
     rejections: Tuple[Error, ...] = ()

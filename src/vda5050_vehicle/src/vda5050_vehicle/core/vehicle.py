@@ -97,7 +97,9 @@ class VdaVehicle:
         return self._handle_events(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
-        """Continues after some time, or after an event of the driver; several times a second."""
+        """Continues after some time, or after an event of the driver. The caller calls it several
+        times a second.
+        """
         self.driver.tick(now)
         return self._handle_events(now)
 
