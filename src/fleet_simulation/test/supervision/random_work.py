@@ -187,7 +187,7 @@ class RandomWork(SupervisedFleet):
         self.moved: Set[str] = set()
         """Robots that people have moved, until they are brought back."""
         self._unstored: Set[str] = set()
-        """Robots whose load a person has declared; the answer was that it is not stored yet."""
+        """Robots whose load a person has declared; this declaration is not stored yet."""
         self._forgotten: Set[str] = set()
         """Robots whose load a person has to declare again, because it was not stored."""
         self.lies = False

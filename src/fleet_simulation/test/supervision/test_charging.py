@@ -1,4 +1,4 @@
-"""Robots charge on request or when idle: the end of charging, its order, and claims."""
+"""Robots charge on request or when idle: which robot is first, when charging ends, and claims."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -286,7 +286,7 @@ WAYS_TO_AN_OLDER_JOURNAL = [
 
 
 def in_all_ways(test):
-    """Runs the test once for each way in which a journal can become an older one."""
+    """Runs the test once for each way in which an older journal can replace the present one."""
     for mark in WAYS_TO_AN_OLDER_JOURNAL:
         test = mark(test)
     return test

@@ -1,5 +1,5 @@
-"""Each event of the supervisor is a step of the model of allocations. The check finds all other
-events.
+"""Each event of the supervisor must be a step of the model of allocations. The check finds events
+that are not.
 
 All tests of virtual fleets run with this check after each event (`StrictConformance`).
 """

@@ -69,7 +69,7 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
 }
 """Guards of claims, devices and the work desk, each with the change that leaves it out.
 
-The form is that of `planted_guards`.
+The table has the same form as `planted_guards`.
 """
 SOON = {
     'a step has a key of its own': 0, 'a key is taken once': 0,

@@ -151,7 +151,7 @@ class Chaos:
     def repeat(self, _: str, number: int) -> None:
         """Sends an earlier request again, like a message with a long delay.
 
-        Requests whose ids were used by later requests are preferred.
+        A request is preferred if a later request used its id again.
         """
         requests = self.requests[:-4] or self.requests
         if requests:

@@ -415,7 +415,9 @@ class Agv:
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """Returns the distance (m) on the current edge to the start of `first`; 0: it is there."""
+        """Returns the distance (m) on the current edge to the start of `first`; 0: the AGV is
+        there.
+        """
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0
