@@ -45,7 +45,8 @@ class VirtualActors:
 
     def stepped(self) -> None:
         """Gives, after one time step, the answers of persons and programs whose steps are done
-        now."""
+        now.
+        """
         now, running = self._world.now, set()
         due: List[_Answer] = []
         for mission, work, place, key in list(self._outside()):

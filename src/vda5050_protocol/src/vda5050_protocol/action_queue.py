@@ -180,7 +180,8 @@ class ActionQueue:
 
     def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
         """Returns the actions that may start now, according to figure 17, even if others still
-        run."""
+        run.
+        """
         result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:

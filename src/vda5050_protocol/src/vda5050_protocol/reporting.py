@@ -32,7 +32,8 @@ class Reporter:
 
     def answer(self) -> None:
         """Makes a state due as the answer to a message of the master; see the module's
-        docstring."""
+        docstring.
+        """
         self._answers = True
 
     def is_due(self, state: StateMessage, now: float) -> bool:

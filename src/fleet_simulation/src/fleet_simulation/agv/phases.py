@@ -51,7 +51,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     Where the speed is above the limit, the vehicle brakes.
 
     stretches -- length (m) and speed limit (m/s) of each
-    speed -- m/s at the start
+    speed     -- m/s at the start
     """
     # for the end of each stretch, the last first: the highest squared speed that allows braking
     ends = [0.0]

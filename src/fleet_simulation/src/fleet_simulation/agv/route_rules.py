@@ -36,7 +36,7 @@ def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
     if state.phase is Phase.FAILED:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE,
-            f'route {order.route_id} has failed: another one needs another id'))
+            f'route {order.route_id} has failed: a new route needs another id'))
     kept = state.edges[:state.completed + 1]
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(Reason(

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, T
 from vda5050_protocol.values import ErrorKind, OrderEdge, OrderNode
 from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
-SETTLING = 1.0  # s after a command in which reports may still show the motion before it
+SETTLING = 1.0  # s; for this time after a command, reports may still show the earlier motion
 
 
 class NotDrivable(Exception):
