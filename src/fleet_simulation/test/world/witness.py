@@ -71,7 +71,7 @@ class _Mission:
 class Witness:
     """Judges a fleet; see the module's docstring.
 
-    radii -- radius (m) of each robot by its name
+    radii     -- radius (m) of each robot by its name
     clearance -- m that must stay free between two robots
     vertices  -- positions of the graph's vertices by id, in m
     grace     -- s within which a robot that can be reached must stand after a stop
