@@ -6,10 +6,10 @@ guards would refuse, it refuses most wrong plans, and it stops robots that are t
 the supervisor is reckless in lives without a guard: it does none of these things, and asks for
 random edges.
 
-In 200 such lives, no promise was broken without the guard `robot is clear of others`, and none
-without `last order is settled`. The second of these guards follows from the rules `standing`,
-`moved`, `older` and `command` of the model of the route protocol. If any of these rules is missing,
-the model finds an unsafe state.
+Two guards are exceptions: in 200 lives without `robot is clear of others`, no promise was broken,
+and in 200 lives without `last order is settled`, none was broken. The second of these guards
+follows from the rules `standing`, `moved`, `older` and `command` of the model of the route
+protocol. If any of these rules is missing, the model finds an unsafe state.
 """
 from __future__ import annotations
 
@@ -91,13 +91,14 @@ class MovedFleet(CorruptedFleet):
 
 
 class RecklessFleet(CorruptedFleet):
-    """A fleet whose supervisor also asks the interlocking for grants without its own checks.
+    """A fleet whose supervisor also asks the interlocking for grants that it has not checked
+    itself.
 
     It asks for any edge, for any robot, at any time.
     """
 
     haste = 0.05
-    """Probability of such a request per time step."""
+    """Probability per time step of a request without checks."""
 
     def _supervise(self) -> None:
         super()._supervise()

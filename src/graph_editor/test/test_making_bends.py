@@ -18,8 +18,8 @@ CORNERS = ((4.2, 1.0), (4.2, 5.0), (5.8, 5.0), (5.8, 9.0))
 
 
 def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> List[Piece]:
-    """The pieces of the lane along `corners`. It leads through a door (width in m) between two
-    rooms.
+    """The pieces of the lane along `corners`. The lane leads through a door (width in m) between
+    two rooms.
     """
     plan = Plan(10.0, 10.0, ((4.95, 0.0, 5.05, 5.0 - door / 2.0),
                              (4.95, 5.0 + door / 2.0, 5.05, 10.0)), (1.0, 1.0))

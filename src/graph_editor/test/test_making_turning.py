@@ -68,8 +68,8 @@ def test_a_dead_end_that_is_moved_aside_keeps_the_clearance_that_a_lane_needs():
 
 
 def test_two_bends_do_not_become_one_where_robots_cannot_turn():
-    """Objects prevent that one bend is merged into the other. The extended outer lanes meet near an
-    object.
+    """Because of objects, one bend cannot be merged into the other. The extended outer lanes meet
+    near an object.
     """
     things = (1.95, 3.6, 2.0, 3.65), (2.4, 4.0, 2.45, 4.05), (3.2, 2.65, 3.3, 2.75)
     bends = (1.0, 3.0), (2.6, 3.0), (3.0, 3.4), (3.0, 5.0)

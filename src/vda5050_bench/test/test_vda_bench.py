@@ -28,7 +28,7 @@ def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
 
 
 def found(verdicts: List[Verdict], *outcomes: RuleOutcome) -> Dict[str, str]:
-    """By sentence of a rule with one of these outcomes: the observation."""
+    """The observations about rules with one of these outcomes, by the sentence of the rule."""
     return {verdict.rule.sentence: verdict.text for verdict in verdicts
             if verdict.outcome in outcomes}
 

@@ -85,7 +85,9 @@ class Ends:
 
 
 def listen(port, topic, name='listener'):
-    """A queue of the messages (payload, retained) of a subscribed topic, and the client."""
+    """A queue of the messages (payload, retained) of a topic, and the client that subscribed to
+    it.
+    """
     heard: queue.Queue = queue.Queue()
     subscribed: queue.Queue = queue.Queue()
     client = make_client(name)

@@ -150,7 +150,7 @@ class World(NamedTuple):
         return dict(self.left).get(what, 0) > 0
 
     def less(self, what: str) -> World:
-        """The state in which this event may happen once less."""
+        """The state in which this event may happen one time less."""
         return self._replace(left=tuple((name, number - (name == what))
                                         for name, number in self.left))
 
@@ -356,8 +356,7 @@ class RouteWorld:
         return protocol.Vehicle(lambda: epochs + 1, lambda: reports + 1, world.robot.state)
 
     def _after(self, world: World, end: protocol.Vehicle, **changes: object) -> World:
-        """The state after a change of the vehicle's end; a robot that lost its route may roll on.
-        """
+        """The state after a change of `end`; a robot that lost its route may roll on."""
         robot, orders, epochs, reports = (world.robot, *world.drawn)
         rolls = robot.rolls
         if robot.state.is_running and not end.state.is_running:
@@ -476,7 +475,7 @@ class RouteWorld:
         return Found(len(before))
 
     def bring_to_rest(self, world: World) -> None:
-        """Checks that a robot that must not drive on gets a stop when the network works."""
+        """Checks that a robot gets a stop if it must not drive on and the network works."""
         for _ in range(3):
             if not (world.desk.held or world.desk.cancels):
                 return

@@ -122,7 +122,9 @@ class RandomStops(RuleBasedStateMachine):
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     def attempt(self, call):
-        """Carries out an act; an adapter that is killed during it restarts from its journal."""
+        """Carries out an act; if the adapter is killed during the act, it restarts from its
+        journal.
+        """
         try:
             call()
         except Killed:

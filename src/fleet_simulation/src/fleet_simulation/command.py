@@ -164,7 +164,7 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
           docks: FrozenSet[int] = frozenset()) -> StudiedSite:
     """Returns the site that the files describe.
 
-    graph, docks -- replace the graph file, and are added to the fleet's docks
+    graph, docks -- the graph is used instead of the file's; the docks are added to the fleet's
     """
     if graph is None:
         graph = load_graph(options.graph)

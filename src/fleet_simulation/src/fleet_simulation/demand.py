@@ -1,6 +1,4 @@
-"""The demand of a site: flows of missions. Random numbers from a seed draw them before a run
-begins.
-"""
+"""The demand of a site: flows of missions, which are drawn from a seed before a run begins."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +14,7 @@ _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 @dataclass(frozen=True)
 class Shift:
-    """A time, `begin` to `end` in hours from the start, with `per_hour` missions per hour."""
+    """A period with `per_hour` missions per hour; `begin` and `end` are in hours from the start."""
 
     begin: float
     end: float
@@ -37,7 +35,7 @@ class Flow:
     sources      -- vertices; each mission first visits one of them, drawn evenly; may be empty
     targets      -- vertices; each mission then visits one of them, drawn evenly
     arrivals     -- shifts, during which missions come at random times (Poisson), or `Saturated`
-    priority     -- of the missions; missions of a higher priority are served first
+    priority     -- priority of the missions; missions of a higher priority are served first
     stay         -- mean dwell at each destination, in s
     scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
     deadline     -- s from the request of a mission to its deadline; 0: no deadline
@@ -54,7 +52,7 @@ class Flow:
 
     @property
     def visits(self) -> Tuple[Tuple[int, ...], ...]:
-        """For each destination of a mission, the vertices from which it is drawn."""
+        """For each destination of a mission, the vertices from which the destination is drawn."""
         return (*((self.sources,) if self.sources else ()), self.targets)
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:

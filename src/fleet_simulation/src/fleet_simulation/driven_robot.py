@@ -65,7 +65,8 @@ LD90 = Mechanics(DriveLimits(acceleration=0.5, braking=0.2, turn_rate=1.75, turn
                              bend_rate=0.25, reverses=False), 12.0, 6.0)
 """An LD-90; the values come from configurations of real robots. The LD-90 brakes gently for bends
 and goals, and plans its own path between goals. Therefore `bend_rate` is chosen such that the
-driving times equal those of the simulated LD-90."""
+driving times equal those of the simulated LD-90.
+"""
 AGV = Mechanics(DriveLimits())
 """An AGV that drives as `agv_sim` does."""
 
@@ -78,7 +79,7 @@ class DrivenRobot:
     not drive it before `due`.
 
     vertex -- id of the vertex on which it begins
-    charge -- of the battery at the beginning, 0..1
+    charge -- charge of the battery at the beginning, 0..1
     """
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
@@ -136,7 +137,7 @@ class DrivenRobot:
 
     @property
     def _drives(self) -> bool:
-        """Whether time counts now as driving, so that the next random stop comes nearer."""
+        """Whether the present time counts as driving, and the next random stop comes nearer."""
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
@@ -186,7 +187,7 @@ class DrivenRobot:
             self.vehicle.stall(seconds)
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
-        """Gives the robot an order. Returns None, because `late_refusals` returns refusals."""
+        """Gives the robot an order. Returns None; `late_refusals` returns refusals."""
         self.vehicle.handle(order)
         self._begin_edge()
         self._plan()

@@ -9,7 +9,9 @@ from fleet_simulation.hold_ups import ResourceUse
 
 
 class Use(Enum):
-    """What a robot does at one moment. The report shows how long the robots did each of these."""
+    """What a robot does at one moment. The report shows how long the robots spent on each
+    activity.
+    """
 
     LOADED = 'driving with a mission'
     EMPTY = 'driving without a mission'
@@ -69,7 +71,7 @@ class Figures:
     waits          -- for each mission: time from its request until a robot starts it
     leads          -- for each mission: time from its request until it succeeds
     use            -- robot seconds by activity
-    waiting        -- robot seconds of waiting, by edge that a robot waits for and by cause
+    waiting        -- robot seconds of waiting, by the edge for which a robot waits, and by cause
     resources      -- use of each station, device and charger, by its name
     timetables     -- results of each timetable of the work file, by its name
     deadlines      -- missions with a deadline that ended, or whose deadline passed

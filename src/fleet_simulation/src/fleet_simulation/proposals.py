@@ -138,7 +138,7 @@ def _passing_place(graph: Graph, id: int,
 
 
 def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
-    """Adds a spur with a dock, at the nearest place to an existing dock that has room."""
+    """Adds a dock on a spur, as near as possible to an existing dock."""
     docks = [vertex.position for vertex in graph.vertices.values() if vertex.dock]
     for id in sorted(graph.edges, key=lambda id: min(
             math.dist(graph.vertices[graph.edges[id].origin].position, dock) for dock in docks)):

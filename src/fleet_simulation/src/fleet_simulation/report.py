@@ -65,7 +65,7 @@ th:first-child, td:first-child { text-align: left; }
 def write(study: Study, folder: Path) -> Path:
     """Writes all files into the folder; returns the path of the HTML file.
 
-    A file replaces an older one only when it is complete.
+    A new file replaces an older file only when the new file is complete.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in _tables(study).items():
@@ -199,8 +199,7 @@ def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -
 
 
 def _against(size: SizeResults, before: Optional[SizeResults]) -> str:
-    """Returns the change of throughput against the next smaller fleet, and whether it is
-    significant.
+    """Returns how throughput changes from the next smaller fleet, and whether this is significant.
     """
     if before is None:
         return ''

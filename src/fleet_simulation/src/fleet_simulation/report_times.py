@@ -3,7 +3,7 @@
 A real robot reports ten times a second, but few of these reports change anything. A simulated robot
 reports its place only when a decision of the supervisor can depend on this place:
 
-- when the rest of its route is only as long as the supervisor grants ahead,
+- when the end of its route comes as near as the distance that the supervisor grants ahead,
 - when it leaves a place for which another robot waits according to the plan. This time is computed.
   As long as it cannot be computed, the robot reports every `WAITED` s.
 - when any robot ends its route or the status of a mission changes: the supervisor may then ask the
@@ -42,7 +42,7 @@ class Rhythm(NamedTuple):
 
 
 class ReportingRobot(Protocol):
-    """The properties of a simulated robot on which the times of its reports depend."""
+    """The properties of a simulated robot that determine when it reports."""
 
     graph: Graph
     kind: RobotType
@@ -82,8 +82,8 @@ class ReportTimes:
         self._moved: Set[str] = set()
         """Robots that were driven, or got an order, since the supervisor's last event."""
         self._granted: Dict[str, float] = {}
-        """For each robot: when the rest of its route is only as long as the supervisor grants
-        ahead.
+        """For each robot: when the end of its route comes as near as the distance that the
+        supervisor grants ahead.
         """
         self._waited: Dict[str, float] = {}
         """For each robot for which another robot waits: when its place matters."""
@@ -153,7 +153,8 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns for each robot the robots that wait for it in the plan, or for a resource it claims.
+    """Returns for each robot the robots that wait for it. They wait for it in the plan, or they
+    wait for a resource that it claims.
     """
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims

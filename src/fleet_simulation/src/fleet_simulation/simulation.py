@@ -108,8 +108,7 @@ class Run:
             self.figures.timetables[name].requested += 1
 
     def _count_deadline(self, id: int, deadline: float, is_done: bool) -> None:
-        """Counts the deadline of a mission that has ended, or that is still open at the end of the
-        run.
+        """Counts the deadline of a mission when the mission ends, or when the run ends before it.
         """
         moment = self.world.wall + self.world.now
         if not is_done and moment <= deadline or self.world.now < self._warm_up:
@@ -190,7 +189,9 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Adds to the time of the claims. Returns the resource for which each robot waits."""
+        """Adds `seconds` to the time of each claim. Returns the resource for which each robot
+        waits.
+        """
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

@@ -69,8 +69,8 @@ class StudiedSite:
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.
 
-        If the fleet file has enough robots, these are its first ones. Otherwise robots of its
-        types are added in turn, and all robots begin on `starts`. Raises WrongSite if the graph
+        If the fleet file has enough robots, the result is the first of them. Otherwise robots of
+        its types are added in turn, and all robots begin on `starts`. Raises WrongSite if the graph
         cannot park that many robots.
         """
         if count <= len(self.fleet.robots):
@@ -92,7 +92,8 @@ class StudiedSite:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """Returns each robot's settings. An added robot has those of the first robot of its type.
+        """Returns each robot's settings. An added robot has the settings of the first robot of its
+        type.
         """
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:
@@ -145,7 +146,7 @@ def _at_stations(work: SiteWork) -> Set[int]:
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
-    """Returns the fleet with more docks: each robot type that has docks may use the new ones, too.
+    """Returns the fleet with more docks: each robot type that has docks may also use the new ones.
     """
     types = {kind.name: replace(kind, docks=kind.docks | docks) if kind.docks else kind
              for kind in fleet.types}

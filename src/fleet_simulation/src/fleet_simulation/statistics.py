@@ -85,8 +85,8 @@ def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
 
 
 def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
-    """Returns the smallest fleet to which a further robot adds less than 5 %; without one, the
-    largest.
+    """Returns the smallest fleet whose throughput a further robot raises by less than 5 %; if there
+    is none, returns the largest fleet.
     """
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
@@ -117,7 +117,7 @@ def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
 
 
 def waiting_by_drawn_edge(size: SizeResults, graph: Graph) -> Dict[int, float]:
-    """Returns for each drawn edge its share (0..1) of all waiting, with the waiting at all its
+    """Returns for each drawn edge its share (0..1) of all waiting, including the waiting at its
     sections.
     """
     return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)

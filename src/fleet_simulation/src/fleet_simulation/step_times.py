@@ -32,7 +32,7 @@ class Duration:
 class WorkTimes:
     """The durations of steps and devices that a demand file gives.
 
-    steps   -- for each type of step and each station or vertex where it is done ('': everywhere)
+    steps   -- durations by the type of the step and its station or vertex ('': everywhere)
     devices -- s that each device takes to open or to close, by its name
     """
 

@@ -44,7 +44,9 @@ class VirtualActors:
             device.seconds = times.of_device(name)
 
     def stepped(self) -> None:
-        """Answers, after one time step, for the persons and programs whose steps are done now."""
+        """Gives, after one time step, the answers of persons and programs whose steps are done
+        now.
+        """
         now, running = self._world.now, set()
         due: List[_Answer] = []
         for mission, work, place, key in list(self._outside()):
@@ -80,7 +82,7 @@ class VirtualActors:
         return asked if place is None else self._seconds(mission, work, place, asked)
 
     def _seconds(self, mission: Mission, work: Work, place: StepPlace, usual: float) -> float:
-        """Draws the duration of a step. Each run with the same seed draws the same one."""
+        """Draws the duration of a step. Each run with the same seed draws the same duration."""
         vertex = work.stops[place.stop].place
         time = self._times.of_step(work.step(place).type, self._stations.get(vertex, ''), vertex)
         if time is None:

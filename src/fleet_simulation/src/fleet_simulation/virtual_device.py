@@ -27,7 +27,9 @@ class VirtualDevice:
         self._count = 0
 
     def receive(self, request: DeviceRequest) -> None:
-        """Handles a request. A request that is not newer than the obeyed one changes nothing."""
+        """Handles a request. A request changes nothing if it is not newer than the obeyed
+        request.
+        """
         if all(request.number > use.number for use in self._obeyed):
             self.request = request
             self._obeyed = (DeviceUse(request.requester, request.mode, request.number, 0.0),)

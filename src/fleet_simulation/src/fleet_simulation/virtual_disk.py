@@ -28,7 +28,7 @@ class VirtualDisk:
     world.
 
     clock    -- returns the right time, s since 1970
-    hang     -- lets this number of seconds pass, for a write that takes long
+    hang     -- lets the given seconds pass, while a write takes long
     set_back -- s by which the clock of the supervisor's computer is behind
     seconds  -- s that the next write takes; later writes take no time
     """

@@ -99,7 +99,7 @@ class VirtualRobot(ReportingRobot, Protocol):
         """Gives the robot an order; returns a refusal if the robot refuses it at once."""
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns the refusals since the last call that `receive` did not return."""
+        """Returns the refusals since the last call, except those that `receive` returned."""
 
     def report(self, stamp: float) -> RouteReport:
         """Returns the robot's report, with this stamp."""
@@ -149,9 +149,9 @@ class VirtualFleet(Generic[Body]):
     robots   -- for each robot's name: its type, and the id of the vertex on which it begins
     make     -- creates a robot from its name, type and vertex
     loss     -- probability (0..1) that a message is lost
-    repeats  -- probability (0..1) that a message that is not lost comes twice
+    repeats  -- probability (0..1) that a message comes twice if it is not lost
     planning -- s until the planner answers
-    settings -- of all robots, or of each robot by its name
+    settings -- one value for all robots, or one for each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check of the allocations to the next
@@ -325,7 +325,7 @@ class VirtualFleet(Generic[Body]):
         return Spent(self._stepping, self._supervising, self.planner.spent)
 
     def _hang(self, seconds: float) -> None:
-        """Lets the supervisor hang in an event for `seconds`, while the world goes on."""
+        """Lets the supervisor hang during an event for `seconds`, while the world goes on."""
         end, self.hangs = self.now + seconds, True
         while self.now < end - _TOGETHER:
             self.step()
@@ -387,7 +387,7 @@ class VirtualFleet(Generic[Body]):
 
     def do(self, actions: Sequence[Action]) -> None:
         """Performs the supervisor's actions. If the supervisor is to crash now, performs only the
-        first ones.
+        first actions.
         """
         crash = self.crash
         if crash is not None and self.disk.commits >= crash.commit:
@@ -471,7 +471,7 @@ class StrictConformance(Conformance):
 
     def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
               excluding: Callable[[str], Sequence[str]], claims: Claims) -> List[Violation]:
-        """Checks an event; returns nothing."""
+        """Checks an event; returns an empty list."""
         found = super().event(robots, known, excluding, claims)
         assert not found, '; '.join(map(str, found))
         return found

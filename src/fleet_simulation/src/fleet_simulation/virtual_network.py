@@ -14,7 +14,7 @@ class VirtualNetwork:
     both.
 
     loss    -- probability (0..1) that a message is lost
-    repeats -- probability (0..1) that a message that is not lost comes twice
+    repeats -- probability (0..1) that a message comes twice if it is not lost
     """
 
     def __init__(self, random: Random, loss: float, repeats: float) -> None:

@@ -181,7 +181,7 @@ def test_a_failed_route_cannot_be_changed_but_another_one_goes_on_from_there() -
     agv.vehicle.fail(Reason(ReasonCode.OTHER, 'a broken belt'))
     assert (agv.states(), agv.last.reason.text) == ([3, 3], 'a broken belt')
     agv.order(7, 1)
-    assert agv.reason == 'route 7 has failed: another one needs another id'
+    assert agv.reason == 'route 7 has failed: a new route needs another id'
     agv.wait(5.0)
     agv.order(8, 1, 2)
     agv.wait(20.0)

@@ -31,7 +31,7 @@ EVENTS = 30
 
 
 class Sent(NamedTuple):
-    """An order, and the number of the event that began the epoch that the order names."""
+    """An order, and the number of an event; this event began the epoch that the order names."""
 
     order: RouteOrder
     epoch: int
@@ -120,7 +120,7 @@ class Pair:
         self.other.braking = 0.0
 
     def to_middle(self) -> None:
-        """Lets both AGVs drive to the middle of this edge or the next one, or to the end of the
+        """Lets both AGVs drive to the middle of this edge or of the next edge, or to the end of the
         route.
         """
         state = self.one.state

@@ -1,5 +1,4 @@
-"""The reports of the plain AGV of the virtual world, and of its computer while their link is lost.
-"""
+"""The reports of the plain AGV, and those of its computer while the link between them is lost."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

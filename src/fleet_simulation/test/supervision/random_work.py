@@ -6,7 +6,7 @@ records the truth, which the fleet manager does not know: which steps are being 
 often each step was done, and for each robot its load and its place.
 
 A *step* of the test is one event of the fleet manager: a message, a command of a person, a tick, or
-a start. Events have weights: events with which work goes on are more frequent than disturbances.
+a start. Events have weights: events that continue the work are more frequent than disturbances.
 Some disturbances wait for a rare moment, and then come together (`RandomWork.combine`). Messages
 are lost, repeated and reordered; messages to robots and devices may also be delayed.
 
@@ -19,7 +19,7 @@ Invariants, after each step (letters as in the docstrings of `claims` and `work_
     resource has more robots than its capacity, and the door of a robot is open
 (e) a step is stored under its key before it begins; with each key it begins only once, and a done
     step never begins again; a person is asked about an unknown outcome
-(f) a robot counts as EMPTY or LOADED only if it is; the mission of a load keeps its robot
+(f) a robot counts as EMPTY or LOADED only if it is; a mission with a load keeps its robot
 (g) a robot at work stands at its stop, and does not move during a step whose blocking is not NONE;
     it gets the command for such a step only at its stop, or in front of the stop
 (h) no two robots have the same queue place
@@ -111,7 +111,7 @@ STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
 PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one `beat` to the next
-UNSEEN = 0.1  # share of openings of the door after which it fails before the robot may enter
+UNSEEN = 0.1  # after this share of its openings, the door fails before the robot may enter
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
@@ -168,7 +168,7 @@ class Hands(SimulatedSteps):
 class RandomWork(SupervisedFleet):
     """One random run of the fleet, which its seed determines.
 
-    reckless -- whether the interlocking is also asked for edges that are in no plan, which tests
+    reckless -- whether the interlocking is also asked for edges that are in no plan, as a test of
                 its conditions without the planner; then missions need not end
     load     -- the type of the loads, if loads restrict the robots; then missions need not end
     """
@@ -187,7 +187,7 @@ class RandomWork(SupervisedFleet):
         self.moved: Set[str] = set()
         """Robots that people have moved, until they are brought back."""
         self._unstored: Set[str] = set()
-        """Robots whose load a person has declared; the answer was that it is not stored yet."""
+        """Robots whose load a person has declared; this declaration is not stored yet."""
         self._forgotten: Set[str] = set()
         """Robots whose load a person has to declare again, because it was not stored."""
         self.lies = False
@@ -385,7 +385,7 @@ class RandomWork(SupervisedFleet):
     # -- missions ---------------------------------------------------------------------------------
 
     def request_mission(self) -> None:
-        """A mission is requested. Sometimes it is one that was requested before."""
+        """A mission is requested. Sometimes it was already requested before."""
         draw, book = self.draw, self.supervisor.book
         if self._requests and draw.random() < 0.1:
             again = draw.choice(self._requests)
@@ -573,7 +573,7 @@ class RandomWork(SupervisedFleet):
         """Returns whether the door fails now, after it has opened for a robot that may not enter
         yet.
 
-        This uses its own random numbers, so that all other events of a seed stay the same.
+        The decision has its own random numbers, so that all other events of a seed stay the same.
         """
         claims = self.supervisor.interlocking.claims
         return self.devices['gate'].mode is DeviceMode.OPEN and any(
@@ -688,7 +688,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.take_out(self._any(), self.now))
 
     def robot_is_moved(self) -> None:
-        """A person takes a robot out of service, and moves it to the next vertex if that one is
+        """A person takes a robot out of service, and moves it to the next vertex if that vertex is
         free.
         """
         name = self._any()
@@ -877,7 +877,7 @@ class RandomWork(SupervisedFleet):
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
         assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
-        if rules.is_at_work(work) and not self.reckless:  # then robots move in NONE steps
+        if rules.is_at_work(work) and not self.reckless:  # a reckless fleet moves in NONE steps
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_sent(self, sent: SendStep) -> None:
@@ -952,7 +952,7 @@ EVENTS = {'beat': 60.0, 'request_mission': 6.0, 'answer': 8.0, 'repair': 4.0, 'c
           'robot_is_silent': 0.2, 'robot_stalls': 0.3, 'robot_refuses': 0.1, 'robot_fails': 0.1,
           'robot_forgets': 0.1, 'robot_is_taken_out': 0.1, 'robot_is_moved': 0.2,
           'disk_is_full': 0.1, 'fleet_is_stopped': 0.1, 'station_breaks': 0.1}
-"""All events with their weights. Events with which work goes on come more often than faults."""
+"""All events with their weights. Events that continue the work come more often than faults."""
 QUIET = {name: EVENTS[name] for name in ('beat', 'request_mission', 'answer', 'repair', 'resume')}
 TROUBLE = {name: 1.0 for name in EVENTS if name not in (*QUIET, 'combine')}
 TROUBLE.update(manager_restarts=4.0, driver_restarts=3.0, cancel=2.0, change=2.0, answer=2.0,

@@ -1,5 +1,4 @@
-"""Robots charge on request or when they are idle: when charging ends, which robot is first, claims.
-"""
+"""Robots charge on request or when idle: which robot is first, when charging ends, and claims."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Sequences of events after which robots were once too near to each other, without special timing.
+"""Sequences of events, without special timing, after which robots were once too near to each other.
 
 In each step, the virtual world checks the distances between all robots, and fails if two are too
 near.
@@ -73,7 +73,7 @@ def test_all_robots_in_whose_way_a_robot_was_pushed_stop(lower, upper, waiting):
 def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
     graph = graph_of({1: (0, 5), 2: (4, 5), 3: (0, 0), 4: (1.6, 0)}, {1: (1, 2), 3: (3, 4)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 3), 'c': (AGV, 4)}, planning=0.05,
-                            rhythm=Rhythm(room=math.inf))  # a person puts a down between b and c
+                            rhythm=Rhythm(room=math.inf))  # a person puts robot a between b and c
     fleet.run(2.0)
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 3, 0.8
@@ -98,7 +98,7 @@ def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_ne
     a.edge, a.arc, a.aside = 2, 0.4, beside  # a person pushes it there
     fleet.run(4.0)
     assert not fleet.bring_in('a')
-    if outages(fleet)['b'] is not None:  # while a was moved, it could be nearer
+    if outages(fleet)['b'] is not None:  # while robot a was moved, it could be nearer
         assert not fleet.bring_in('b')
     fleet.request(1, 1, robot='a')
     fleet.run_until_done(1)
@@ -286,7 +286,7 @@ WAYS_TO_AN_OLDER_JOURNAL = [
 
 
 def in_all_ways(test):
-    """Runs the test once for each way in which a journal can become an older one."""
+    """Runs the test once for each way in which an older journal can replace the present one."""
     for mark in WAYS_TO_AN_OLDER_JOURNAL:
         test = mark(test)
     return test

@@ -1,4 +1,5 @@
-"""Each event of the supervisor is a step of the model of allocations. The check finds other steps.
+"""Each event of the supervisor must be a step of the model of allocations. The check finds events
+that are not.
 
 All tests of virtual fleets run with this check after each event (`StrictConformance`).
 """
@@ -66,7 +67,7 @@ def test_robots_that_exclude_each_other_and_are_not_stopped_are_found(
     monkeypatch.setattr(Interlocking, 'separate', lambda *_: [])
     graph = graph_of({1: (0, 0), 2: (12, 0), 3: (0, 5), 4: (12, 5)}, {1: (1, 2), 2: (3, 4)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 3)}, planning=0.05,
-                            rhythm=Rhythm(room=math.inf))  # a person pushes b into the way of a
+                            rhythm=Rhythm(room=math.inf))  # a person pushes robot b into a's way
     fleet.run(2.0)
     fleet.request(1, 2, robot='a')
     fleet.run(2.0)

@@ -1,4 +1,4 @@
-"""Doors and zones: a robot is in one only with a claim for it, and no door closes on a robot."""
+"""Doors and zones: no robot is in them without a claim, and no door closes on a robot."""
 from __future__ import annotations
 
 from random import Random
@@ -30,7 +30,8 @@ GATE = Resource('gate', ResourceKind.DOOR, frozenset({3}), has_device=True)
 class FleetWithDoors(SupervisedFleet):
     """A fleet that checks, in each step, the robots on the edges of resources.
 
-    There must be no more robots than the capacity, and the device must be open for each robot.
+    A resource must not have more robots than its capacity, and its device must be open for each
+    robot.
     """
 
     def __init__(self, *given: Any, resources: Sequence[Resource] = (GATE,), **more: Any) -> None:

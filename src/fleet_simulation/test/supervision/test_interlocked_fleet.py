@@ -152,7 +152,9 @@ def test_a_place_is_as_near_as_the_robots_play_says():
 
 
 def test_what_was_not_yet_left_stays_blocked_after_a_restart():
-    """The journal stores how far a robot has left its edges, not only which are complete."""
+    """The journal stores which part of an edge the robot has left, not only which edges are
+    complete.
+    """
     kind = replace(AGV, speed=1.0)
     fleet = SupervisedFleet(corridor(8), {'a': (kind, 1)},
                             settings=RobotSettings(release_ahead=8.0, slack=1.5))

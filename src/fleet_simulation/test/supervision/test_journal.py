@@ -1,5 +1,5 @@
-"""The journal: whole transactions, files of older versions, refusal of a second process, its file,
-and its growth.
+"""The journal: whole transactions, files of older versions, refusal of a second process, the file
+itself, and its growth.
 """
 from __future__ import annotations
 
@@ -567,9 +567,7 @@ def test_the_history_since_a_time_has_what_changed_and_what_is_open(path):
 
 @pytest.mark.parametrize('runs', [True, False])
 def test_the_history_is_read_where_nothing_may_be_written(on_small_disk, runs):
-    """The page reads the journal in this way, both while the fleet manager runs and while it does
-    not.
-    """
+    """The page reads the journal without writing, whether the fleet manager runs or not."""
     def read(disk):
         own, shown = disk.folder / 'own', disk.folder / 'shown'
         own.mkdir()

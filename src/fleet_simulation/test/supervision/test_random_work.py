@@ -69,7 +69,7 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
 }
 """Guards of claims, devices and the work desk, each with the change that leaves it out.
 
-The form is that of `planted_guards`.
+The table has the same form as `planted_guards`.
 """
 SOON = {
     'a step has a key of its own': 0, 'a key is taken once': 0,
@@ -81,7 +81,7 @@ SOON = {
     'a claim is ready when its device is open': 0, 'a claim ends by the place': 0,
     'the gate is closed while a step runs': 14, 'a robot at work stands': 14,
     'a report of a device counts while it is fresh': 76}
-"""For each guard: the seed of a life that finds within 700 steps that the guard is left out."""
+"""For each guard: the seed of a life that fails within 700 steps without the guard."""
 LATER = {
     'a key is above all that the robot has taken': 2,
     'a mission that has become impossible ends its steps first': 18,
@@ -90,7 +90,7 @@ LATER = {
     'a command is sent when its step is stored': 13,
     'a robot that was moved away is not at work': 36,
     'a mission without a robot is not at work': 5085}
-"""For each guard: the seed of a life that finds that the guard is left out."""
+"""For each guard: the seed of a life that fails without the guard."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}
 
 

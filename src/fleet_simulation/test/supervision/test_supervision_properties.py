@@ -103,8 +103,8 @@ def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
     """Checks that released edges stay released.
 
     - The numbers of the orders to one robot grow, and only the last order is sent again.
-    - In one epoch, the edge with a number in the route record changes only if orders may be
-      refused, or become shorter because a mission was cancelled or paused.
+    - In one epoch, each number in the route record keeps its edge, unless orders may be refused, or
+      become shorter because a mission was cancelled or paused.
     """
     last: Dict[str, SendRoute] = {}
     for order in sent:

@@ -92,7 +92,9 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
 
 @pytest.mark.parametrize('ahead', [0.0, 1.0, 3.0, 8.0])
 def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mission(ahead):
-    """The plan in force also leads to the next destination, but through the cancelled one."""
+    """The plan in force also leads to the next destination, but through the cancelled
+    destination.
+    """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, parking=(1,),
                             settings=RobotSettings(release_ahead=ahead))
     fleet.planner.rounds = 5

@@ -90,7 +90,7 @@ def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
 
 
 def test_nobody_is_sent_to_where_a_robot_was_carried():
-    """From vertex 2 on, the upper path is the shorter one, until a person puts `b` on this path."""
+    """Beyond vertex 2, the upper path is the shorter one, until a person puts `b` on this path."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
                       7: (16, -6), 8: (24, 0), 9: (30, 0)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
@@ -393,7 +393,7 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
 
 @pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
 def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
-    """A report may show the robot on a near edge. If the robot was pushed along its edge, it has
+    """A report may show the robot on a nearby edge. If the robot was pushed along its edge, it has
     left its place.
     """
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},

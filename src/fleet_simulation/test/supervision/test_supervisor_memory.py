@@ -1,4 +1,6 @@
-"""Data that survives restarts of the supervisor, other graphs, and a disk that is full or gone."""
+"""Data that survives restarts of the supervisor, changes of the graph, and a full or missing
+disk.
+"""
 from __future__ import annotations
 
 import math
@@ -285,8 +287,8 @@ def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_miss
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
-    """A person stopped the robot without the fleet manager, because the fleet manager hung; then it
-    was ended.
+    """A person stopped the robot without the fleet manager, because the fleet manager hung; then
+    the fleet manager was ended.
     """
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)

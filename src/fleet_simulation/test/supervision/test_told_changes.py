@@ -269,14 +269,14 @@ def test_a_route_master_tells_each_change_that_a_report_or_command_makes() -> No
 
 
 def forgets(number: int) -> property:
-    """The property `_known` without its field of this number, as if it had been forgotten."""
+    """The property `_known` without the field of this number, as if the code lacked this field."""
     whole = RouteMaster.__dict__['_known'].fget
     return property(lambda master: (*whole(master)[:number], *whole(master)[number + 1:]))
 
 
 FOUND_BY = {0: 2, 1: 31, 2: 24, 3: 0, 4: 1246, 5: 25946, 6: 33, 7: 20, 8: 5, 9: 0, 10: 11}
-"""For each number of a field in `_known`: the seed of a drive in which once only this field
-changes.
+"""For each number of a field in `_known`: the seed of a drive in which at one moment only this
+field changes.
 """
 
 

@@ -32,7 +32,7 @@ DISTURBED = 1500   # steps of the world
 
 
 class Life(SupervisedFleet):
-    """A fleet of two robots on a corridor with a siding, and its person."""
+    """A fleet of two robots on a corridor with a siding, and the person in charge of it."""
 
     def __init__(self, seed: int) -> None:
         super().__init__(corridor(8, siding_at=4), {'a': (AGV, 1), 'b': (AGV, 8)}, seed=seed,

@@ -151,7 +151,7 @@ class Chaos:
     def repeat(self, _: str, number: int) -> None:
         """Sends an earlier request again, like a message with a long delay.
 
-        Requests whose ids were used by later requests are preferred.
+        A request is preferred if a later request used its id again.
         """
         requests = self.requests[:-4] or self.requests
         if requests:
@@ -337,8 +337,8 @@ class Chaos:
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
-        """Uses a graph without the edge behind a robot, a graph without another edge, or the whole
-        graph.
+        """Uses a graph without the edge behind a robot, a graph without some other edge, or the
+        whole graph.
         """
         agv = self.fleet.agvs[robot]
         edge = 0

@@ -53,7 +53,8 @@ class Agv:
     off_graph -- if True, it refuses orders and reports no pose
     near      -- m from a vertex within which the AGV counts as at the vertex; if a test changes
                  `near`, a route from the vertex must begin with an edge that leads away from it
-    braking   -- m that it needs to stop; after the loss of its route it rolls this far along it
+    braking   -- m that it needs to stop; after the loss of its route it rolls this far along the
+                 route
     aside     -- m in x and y by which it is beside its edge, until it begins another route
     error     -- m in x and y by which the location in its reports is wrong
     moved     -- s for which it still reports that a person or another program moves it
@@ -285,7 +286,7 @@ class Agv:
         return NO_REASON
 
     def _begin_with(self, rest: Tuple[int, ...]) -> Reason:
-        """Places the AGV at the beginning of `rest`, or returns why it does not begin there."""
+        """Places the AGV at the beginning of `rest`, or returns why the AGV cannot begin there."""
         begun = self._beginning(rest)
         turns_back = (self.phase is Phase.RUNNING and self.braking > 0.0 and self.arc > _AT_END
                       and rest[0] != self.edge)
@@ -414,7 +415,9 @@ class Agv:
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """Returns the distance (m) on the current edge to the start of `first`; 0: it is there."""
+        """Returns the distance (m) on the current edge to the start of `first`; 0: the AGV is
+        there.
+        """
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0

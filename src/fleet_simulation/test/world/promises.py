@@ -118,7 +118,7 @@ class Promises:
             return
         fleet, name = self.fleet, order.robot
         is_repeated = order.repeated
-        is_void = fleet.agvs[name].ignores(route_order(order.order))  # for ever, by its epoch
+        is_void = fleet.agvs[name].ignores(route_order(order.order))  # for ever
         assert self.stopped is None or self.stopped.is_past and is_void, (
             f'{order} though the fleet is stopped: {fleet.picture()}')
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
@@ -268,8 +268,8 @@ class Promises:
     def _check_blame(self, name: str) -> None:
         """Checks why a robot that had no fault needs a person.
 
-        The only permitted cause is another robot near it that had a fault, or whose location is
-        old. At the end of the step, the two robots need not exclude each other any more.
+        The only permitted cause is another robot nearby, which had a fault or whose location is
+        old. When the step ends, the two robots may already be far enough apart.
         """
         fleet, supervisor = self.fleet, self.fleet.supervisor
         assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(

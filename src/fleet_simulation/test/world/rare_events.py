@@ -110,7 +110,7 @@ class RareChaos(Chaos):
         self._react()
 
     def _pushed(self, robot: str, number: int) -> Tuple[int, float]:
-        """Returns the next place of a robot that is pushed: forward, if `number` is odd."""
+        """Returns the next place of a pushed robot; it is pushed forward if `number` is odd."""
         agv = self.fleet.agvs[robot]
         length = YARD.curve(agv.edge).length
         edge, arc = (agv.edge, agv.arc) if number % 2 else (-agv.edge, length - agv.arc)
@@ -140,8 +140,8 @@ class RareChaos(Chaos):
             self._react()
 
     def bring_in(self, robot: str, number: int) -> None:
-        """Brings a robot into service. If it is beside its edge or too near to another robot, a
-        person moves it instead.
+        """Brings a robot into service. If the robot is beside its edge or too near to another
+        robot, a person moves it instead.
         """
         agv, supervisor = self.fleet.agvs[robot], self.fleet.supervisor
         if math.hypot(*agv.aside) > agv.kind.play:
@@ -158,11 +158,11 @@ class RareChaos(Chaos):
                 self.carry(robot, number + k)
 
     def _that_stands(self, robot: str) -> str:
-        """Returns this robot if it stands, otherwise another robot that stands, if there is one."""
+        """Returns this robot if it stands; if not, another standing robot, if there is one."""
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:
-        """Waits at most 6 s, until each robot stands that excludes another robot and can be
+        """Waits, for at most 6 s, until all robots that exclude other robots stand, or cannot be
         stopped.
         """
         fleet = self.fleet

@@ -71,7 +71,7 @@ class _Mission:
 class Witness:
     """Judges a fleet; see the module's docstring.
 
-    radii     -- of the robots by name, in m
+    radii     -- radius (m) of each robot by its name
     clearance -- m that must stay free between two robots
     vertices  -- positions of the graph's vertices by id, in m
     grace     -- s within which a robot that can be reached must stand after a stop
@@ -89,7 +89,7 @@ class Witness:
         self._named: Set[Tuple[str, ...]] = set()
         self._missions: Dict[int, _Mission] = {}
         self._succeeded: Dict[int, int] = {}
-        """For each mission whose visits are not checked yet: number of samples when it succeeded.
+        """For each mission whose visits are not checked yet: number of samples before it succeeded.
         """
         self._trails: Dict[str, List[Tuple[float, Place]]] = {name: [] for name in radii}
         self._carried: Set[str] = set()
@@ -319,7 +319,7 @@ def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tup
 
 
 def _distance(point: Place, start: Place, end: Place) -> float:
-    """Returns the distance (m) from a point to the line segment between two others."""
+    """Returns the distance (m) from a point to the line segment between two other points."""
     length = math.dist(start, end)
     if length == 0.0:
         return math.dist(point, start)

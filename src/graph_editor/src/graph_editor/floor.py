@@ -2,8 +2,8 @@
 
 The floor is a grid of *clearances*. A clearance is the distance from a cell's centre to the nearest
 obstacle; between centres, clearances are interpolated. If only the cells of obstacles are known,
-the error is up to 0.71 of a cell, which the margin of a lane covers. If the positions of obstacles
-are known, the error is a few mm.
+the error is up to 0.71 of a cell; the margin of a lane covers this error. If the positions of
+obstacles are known, the error is a few mm.
 """
 from __future__ import annotations
 

@@ -27,8 +27,8 @@ class PlaceKind(Enum):
     GOAL = 'goal'
     DOCK = 'dock'
     HOME = 'home'
-    """A place at which robots may be switched on. Reachable floor begins there, but it gets no
-    vertex.
+    """A place at which robots may be switched on. The reachable floor is computed from homes; a
+    home gets no vertex.
     """
 
 

@@ -1,4 +1,4 @@
-"""A published occupancy grid becomes a site, as a map file does."""
+"""A published occupancy grid becomes a site, like a map file."""
 from __future__ import annotations
 
 import math

@@ -28,7 +28,7 @@ Vertices:
 
 
 class RosMaster:
-    """A ROS master, with the services and parameters of a fleet manager if there is one."""
+    """A ROS master, with a fleet manager's services and parameters if the test has one."""
 
     def __init__(self) -> None:
         self.providers: List[str] = []

@@ -54,7 +54,7 @@ class Bench:
     def __init__(self, trial: Trial, version: str) -> None:
         self.trial = trial
         self._rules = rules_of(version)
-        self._silent_since: Optional[int] = None  # number of states that had come by then
+        self._silent_since: Optional[int] = None  # number of states before the silence
 
     def run(self) -> Iterator[Verdict]:
         """Tries every rule, then drives the vehicle to the start of the track if possible."""

@@ -30,7 +30,7 @@ class BenchMaster:
     qualities -- the QoS levels by topic
     sent      -- topic and payload of all messages that were sent
 
-    It has one method for each message that it sends or waits for.
+    The class has one method for each message that it sends or waits for.
     """
 
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',

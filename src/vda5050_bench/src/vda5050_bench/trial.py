@@ -44,7 +44,7 @@ class Trial:
     ahead    -- the track, starting at the end at which the vehicle stands
     patience -- s that the drive from one node to the next may take
 
-    It has one method for each step that rules use.
+    The class has one method for each step that rules use.
     """
 
     def __init__(self, master: BenchMaster, track: Track, patience: float,
@@ -151,7 +151,7 @@ class Trial:
         self.ahead = self.track if index == 0 else self.track.reversed()
 
     def _way_from(self, index: int, is_there: bool) -> Track:
-        """Returns the direction to the nearer end; on an edge: the present direction."""
+        """Returns the track towards its nearer end; on an edge: in the present direction."""
         last, back = len(self.track.stops) - 1, self.track.reversed()
         if index in (0, last):
             return self.track if index == 0 else back
@@ -176,7 +176,9 @@ class Trial:
             self._drive(self.ahead, len(self.track.stops) - 1, True, self.patience)
 
     def _index_of(self, state: Message) -> int:
-        """Returns the index of the stop that was passed last, otherwise of the nearest stop."""
+        """Returns the index of the stop that was passed last; if it is unknown, of the nearest
+        stop.
+        """
         ids = [stop.node_id for stop in self.track.stops]
         if state['lastNodeId'] in ids:
             return ids.index(state['lastNodeId'])
@@ -274,7 +276,8 @@ class Trial:
         return new_errors(was, state)[0]
 
     def stays(self, predicate: Callable[[Message], bool], what: str) -> None:
-        """Checks that all states within QUIET, and one requested then, satisfy `predicate`.
+        """Checks that all states within QUIET, and one that is requested afterwards, satisfy
+        `predicate`.
 
         Raises Broken.
         """

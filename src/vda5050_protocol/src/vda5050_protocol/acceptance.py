@@ -90,8 +90,8 @@ def _judge_update(held: Held, order: OrderMessage, is_3: bool) -> Verdict:
                        f'{held.order_update_id}, which the vehicle has')
     is_copy = order.order_update_id == held.order_update_id                   # question 6
     if held.cancelled and (is_3 or not is_copy):
-        # Question 7 of 3.0.0, which comes before the question for a copy here. The figure of 2.1.0
-        # does not have it.
+        # Question 7 of 3.0.0. Here it comes before the question whether the order is a copy. The
+        # figure of 2.1.0 does not have it.
         return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
     if is_copy:
         return OrderAcceptance.DUPLICATE

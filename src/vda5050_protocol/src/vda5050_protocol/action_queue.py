@@ -179,7 +179,9 @@ class ActionQueue:
     # --- permitted steps --------------------------------------------------------------------------
 
     def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
-        """Returns the actions that may start now according to figure 17; others may still run."""
+        """Returns the actions that may start now, according to figure 17, even if others still
+        run.
+        """
         result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:

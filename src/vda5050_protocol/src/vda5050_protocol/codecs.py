@@ -310,8 +310,8 @@ def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
 def _version_2_0() -> Codec:
     """Returns the codec of 2.0.0.
 
-    2.0.0 has no maps, and its errors have no hint. It requires a heading in the position of a node.
-    Few nodes have a heading, so node states have no position.
+    2.0.0 has no maps, and its errors have no hint. 2.0.0 requires a heading in the position of a
+    node. Few nodes have a heading, so node states have no position.
     """
     errors = ListOf(ERROR.changed(**{'kind.hint': None}))
     nodes = ListOf(NODE_STATE.changed(position=None))

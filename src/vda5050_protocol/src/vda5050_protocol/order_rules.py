@@ -37,7 +37,9 @@ def _wrong_count(order: OrderMessage) -> Optional[Malformed]:
 
 
 def _wrong_sequence(order: OrderMessage) -> Optional[Malformed]:
-    """Checks that sequence ids count nodes and edges alternately, from node 0 on, without gaps."""
+    """Checks that sequence ids count nodes and edges alternately, beginning with a node, without
+    gaps.
+    """
     first = order.nodes[0].sequence_id
     if first % 2:
         return Malformed('nodes[0].sequenceId', f'is {first}, but the sequenceIds of nodes are '

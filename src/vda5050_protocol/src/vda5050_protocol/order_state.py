@@ -11,7 +11,7 @@ from vda5050_protocol.values import Element, OrderEdge, OrderMessage, OrderNode
 
 @dataclass(frozen=True)
 class OrderState:
-    """The part of an order that remains, from the last passed node on.
+    """The part of an order that remains; it begins with the last passed node.
 
     nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
     passed -- how many nodes were passed before nodes[0] since the last `Driver.begin`; so edges[i]

@@ -1,8 +1,8 @@
 """The motion of a vehicle that follows edges exactly: its position, speed and heading over time.
 
 If the next edge has another direction, the vehicle stops and turns on the spot. A vehicle that can
-drive backwards turns by at most 90 degrees, until its front or its rear is ahead. No vehicle stops
-between edges that continue smoothly.
+drive backwards turns until its front or its rear is ahead, so by at most 90 degrees. No vehicle
+stops between edges that continue smoothly.
 
 Between two events the motion is known in closed form (`phases`), so one call may simulate a long
 time. The phases are computed anew when the path or the pace changes, and when a hold begins or
@@ -46,7 +46,7 @@ class AgvMotion:
         """Factor on all speeds, above 0 and at most 1."""
         self.driven = 0.0
         """Distance (m) driven so far."""
-        self._phases: List[DrivePhase] = []   # of the motion up to the next stop, or of a turn
+        self._phases: List[DrivePhase] = []   # motion up to the next stop, or a turn
         self._cause: Optional[Tuple[object, ...]] = None  # inputs of the phases
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
@@ -54,8 +54,8 @@ class AgvMotion:
 
     @property
     def edge(self) -> Optional[int]:
-        """The signed id of the present edge, or of the last edge at the end; None: there is no
-        path.
+        """The signed id of the present edge (at the path's end, of the last edge); None: there is
+        no path.
         """
         return self.path[min(self.index, len(self.path) - 1)] if self.path else None
 
@@ -235,7 +235,8 @@ class AgvMotion:
     def _ahead(self, path: Sequence[int], index: int, arc: float,
                horizon: float) -> Iterator[Tuple[float, float]]:
         """Yields the distance (m) to each speed limit ahead, and this limit (m/s). A stop is a
-        limit of 0."""
+        limit of 0.
+        """
         base = -arc
         for number in range(index, len(path)):
             for begin, limit in self.speeds.along(path[number]):

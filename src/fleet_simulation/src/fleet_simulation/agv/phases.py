@@ -32,7 +32,7 @@ class DrivePhase(NamedTuple):
         return (self.speed + 0.5 * self.gain * seconds) * seconds
 
     def seconds_for(self, distance: float) -> float:
-        """Returns the seconds until `distance` (m), a part of the phase, is driven."""
+        """Returns the seconds that the vehicle needs for the first `distance` m of the phase."""
         if distance <= 0.0:
             return 0.0
         root = math.sqrt(max(self.speed * self.speed + 2.0 * self.gain * distance, 0.0))
@@ -51,9 +51,9 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     Where the speed is above the limit, the vehicle brakes.
 
     stretches -- length (m) and speed limit (m/s) of each
-    speed     -- m/s at the begin
+    speed     -- m/s at the start
     """
-    # the highest squared speed at each stretch's end that still allows braking, the last end first
+    # for the end of each stretch, the last first: the highest squared speed that allows braking
     ends = [0.0]
     for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
         ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
@@ -68,7 +68,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
 def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]:
     """Returns the fastest turn by this angle to a stop.
 
-    rate -- rad/s at the begin
+    rate -- rad/s at the start
     top  -- highest rate, rad/s
     gain -- rad/s2 of acceleration and of braking
     """
@@ -102,7 +102,7 @@ def _over(length: float, limit: float, speed: float, end: float, acceleration: f
         phases.append(DrivePhase((speed - limit) / braking, speed, -braking))
         length -= (square - limit * limit) / (2.0 * braking)
         speed, square = limit, limit * limit
-    # the squared speed at which braking must follow acceleration if there is no limit
+    # without a limit: the squared speed at which acceleration ends and braking begins
     peak = (2.0 * acceleration * braking * length + braking * square + acceleration * end) / (
         acceleration + braking)
     fastest = square + 2.0 * acceleration * length

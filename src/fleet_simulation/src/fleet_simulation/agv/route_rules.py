@@ -36,7 +36,7 @@ def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
     if state.phase is Phase.FAILED:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE,
-            f'route {order.route_id} has failed: another one needs another id'))
+            f'route {order.route_id} has failed: a new route needs another id'))
     kept = state.edges[:state.completed + 1]
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(Reason(
@@ -58,7 +58,7 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
 def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) -> float:
     """Returns how far (m) along the first of these edges the vehicle is now.
 
-    Raises RouteRefused if the vehicle is neither at the start of this edge nor on it, or if it
+    Raises RouteRefused if the vehicle is not on this edge and not at its start, or if the vehicle
     cannot brake in time.
     """
     first = edges[0]

@@ -15,14 +15,14 @@ CREEP = 0.05    # m/s, lowest speed in a bend
 _STEPS = 20     # number of levels to which speeds in bends are rounded down
 
 Stretch = Tuple[float, float]
-"""The begin of a speed limit (m from the edge's start), and the limit (m/s)."""
+"""The place at which a speed limit begins (m from the edge's start), and the limit (m/s)."""
 
 
 @dataclass(frozen=True)
 class DriveLimits:
     """The limits of a vehicle's drive; m/s, m/s2, rad/s, rad/s2.
 
-    turn_rate, turn_acceleration -- of turns on the spot
+    turn_rate, turn_acceleration -- limits of turns on the spot
     bend_rate -- highest turn rate while the vehicle drives; limits the speed in bends
     reverses  -- whether the vehicle can drive backwards, so that it turns by 90 degrees at most
     """

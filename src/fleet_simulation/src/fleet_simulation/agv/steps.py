@@ -1,4 +1,4 @@
-"""The steps of one simulated AGV: what it remembers of them, their durations, and faults on demand.
+"""The steps of one simulated AGV: its memory of them, their durations, and requested faults.
 
 Every type of step is carried out. Its duration is the parameter `seconds`, or `SECONDS` without
 this parameter. A simulation may draw the duration instead.
@@ -46,7 +46,7 @@ class SimulatedSteps:
         self._running: Dict[int, _Running] = {}
         self._faults: List[Word] = []
         self.done: List[str] = []
-        """The types of the steps that were carried out to their end, in this order."""
+        """The types of the steps that were carried out to their end, the earliest first."""
 
     @property
     def news(self) -> object:

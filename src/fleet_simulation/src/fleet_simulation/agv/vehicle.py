@@ -3,9 +3,9 @@
 States: the AGV's `motion`. In addition the AGV may be off the graph, in emergency stop, or silent.
 `route_protocol.vehicle` has the states of its route.
 Events: an order, time, a fault, an act of a person or of another program, another graph.
-Invariants: At most one giver drives the AGV. If another giver moves or stops it, a new epoch
-begins, so orders that are on their way are refused. The AGV reports at once if more than its place
-has changed.
+Invariants: At most one giver drives the AGV. If another giver moves or stops the AGV, a new epoch
+begins; orders that are then on their way are refused. The AGV reports at once if more than its
+place has changed.
 """
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
-MOVED_FOR = 1.0  # s after a push in which the AGV reports that a person moves it
+MOVED_FOR = 1.0  # s; for this time after a push, the AGV reports that a person moves it
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
@@ -79,7 +79,7 @@ class AgvVehicle:
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
         self._speed_limit = 0.0
-        """Speed limit (m/s) of the last route because of the load; 0: no limit."""
+        """Speed limit (m/s) that the last route has because of the load; 0: no limit."""
         self._chargers = frozenset(chargers)
         self._off_graph: Optional[Tuple[float, float, float]] = None
         self._time = 0.0
@@ -214,8 +214,8 @@ class AgvVehicle:
 
     @property
     def next_event(self) -> float:
-        """The seconds until the AGV's report may change without an order or fault; until then only
-        the place changes.
+        """The seconds until more than the place may change in the AGV's report, if no order and no
+        fault comes.
 
         0: this time is unknown.
         """
@@ -364,8 +364,8 @@ class AgvVehicle:
         self._giver = due.order.master
 
     def _from_here(self, due: DueOrder) -> DueOrder:
-        """Returns an order without a number; if it begins with the edge that the vehicle has just
-        left, without this edge.
+        """Returns an order without a number; removes its first edge if the vehicle has just left
+        this edge.
         """
         if due.goes_on:
             if self.state.edges and not self.drive.path:
@@ -402,8 +402,8 @@ class AgvVehicle:
             self._messages.append(self.report())
 
     def _symbolic_pose(self) -> SymbolicPose:
-        """Returns the edge and the percentage of it. The direction of the edge is the ordered one
-        if there is a route, otherwise forward.
+        """Returns the edge, and the place on it as a percentage. On a route the edge has the
+        ordered direction; otherwise it is forward.
         """
         if self._off_graph is not None:
             return SymbolicPose()

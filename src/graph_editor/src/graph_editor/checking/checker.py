@@ -91,8 +91,8 @@ class Checker:
 
 def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float
                  ) -> Dict[int, float]:
-    """Returns for each edge that is too narrow for `corridor` the widest corridor that fits (m, in
-    whole cm).
+    """Returns the edges that are too narrow for `corridor`, each with the widest corridor that fits
+    (m, in whole cm).
     """
     widths = {}
     for id in graph.edges:

@@ -28,8 +28,8 @@ NAMED_LIKE_PLACE = 1.0  # m; largest distance between a place of the map and its
 
 @dataclass(frozen=True, eq=False)
 class DrawnEdge:
-    """The curve of an edge, and the same curve as a shapely line. An unchanged edge keeps its
-    object.
+    """The curve of an edge, and the same curve as a shapely line. An unchanged edge keeps the same
+    DrawnEdge object.
     """
 
     curve: Curve
@@ -38,8 +38,8 @@ class DrawnEdge:
 
 
 Curves = Mapping[int, DrawnEdge]
-"""The curves by the ids of the edges. An edge without a curve is left out; `check_edge` reports
-such an edge.
+"""For each edge id: its curve. An edge without a curve is left out; `check_edge` reports such an
+edge.
 """
 
 
@@ -68,7 +68,9 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
 
 def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Sequence[NamedPlace],
                   rules: CheckRules) -> List[Finding]:
-    """Returns findings for places of the map without a vertex, and for floor far from all edges."""
+    """Returns findings for floor far from all edges, and for places of the map that have no
+    vertex.
+    """
     findings = []
     positions = cKDTree(np.array([vertex.position for vertex in draft.vertices.values()]))
     for place in places:
@@ -98,7 +100,7 @@ def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Seq
 def _parts(draft: Draft) -> Iterable[Finding]:
     """Yields a finding for each part that no edges connect to the first part.
 
-    A vertex without edges is an error. A larger part is a warning, because a graph may have two
+    A vertex without edges is an error. A larger part is a warning, because a graph may cover two
     halls or floors.
     """
     first, *others = draft.parts()

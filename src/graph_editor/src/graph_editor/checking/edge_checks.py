@@ -89,8 +89,8 @@ def _narrow(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> Lis
 
 
 def _bent(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> List[Finding]:
-    """Returns a finding for the first stretch of an edge that bends where robots have no space to
-    turn.
+    """Returns a finding for the first part of an edge on which robots must turn but have no space
+    to turn.
     """
     clearances = floor.clearance_at(points)
     narrow = clearances < rules.turning - GRAIN

@@ -76,8 +76,8 @@ class ServedFloor:
     def _find_again(self, cells: np.ndarray) -> None:
         """Updates the served floor around changed `cells`.
 
-        Only cells within `reach` of `cells` can change. They depend on the edges within twice this
-        distance.
+        Only cells within `reach` of `cells` can change. These cells depend on the edges within
+        twice this distance.
         """
         mask, border = self.coverage.mask, int(math.ceil(self._reach / self.coverage.pitch)) + 1
         low, high = cells.min(axis=0), cells.max(axis=0) + 1

@@ -67,8 +67,8 @@ EDGE_MENU: Tuple[MenuItem, ...] = (
 
 
 def numbered(menu: Tuple[MenuItem, ...]) -> Tuple[List[Tuple[int, int, str]], Dict[int, MenuItem]]:
-    """Returns a menu in RViz's form, rows (id, id of the parent or 0, title), and the entries by
-    their ids.
+    """Returns the rows of a menu for RViz (id, id of the parent or 0, title), and the menu's
+    entries by their ids.
     """
     rows: List[Tuple[int, int, str]] = []
     by_id: Dict[int, MenuItem] = {}

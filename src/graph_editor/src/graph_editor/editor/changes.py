@@ -18,7 +18,7 @@ argument.
 
 
 def facing_away(draft: Draft, id: int) -> Draft:
-    """Turns a new vertex into the direction of the edge that leads to it."""
+    """Turns a new vertex so that it faces along the edge that leads to it."""
     edge = draft.edges[draft.edges_at(id)[-1]]
     origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     return editing.turn_vertex(draft, id, math.atan2(destination.y - origin.y,

@@ -240,9 +240,10 @@ class EditingSession:
 
     def nearest_edge(self, place: Tuple[float, float], ids: Iterable[int],
                      reach: float = math.inf) -> Optional[int]:
-        """Returns the id in `ids` of the edge that is nearest to a place, within `reach` m.
+        """Returns the id, out of `ids`, of the edge nearest to a place; None: none is within
+        `reach` m.
 
-        The distance of an edge without length is the distance of its origin.
+        For an edge without length, the distance to its origin counts.
         """
         best: Tuple[float, Optional[int]] = (reach, None)
         for id in ids:

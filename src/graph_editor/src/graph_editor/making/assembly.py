@@ -26,13 +26,12 @@ TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPlace],
              frame_id: str, options: MakingOptions) -> Graph:
-    """Returns the graph. Its vertices and edges are numbered from 1, in reading order of the map.
-    """
+    """Returns the graph. Its vertices and edges are numbered from 1, row by row from the top."""
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
     positions = positions or {node: net.positions[node] for node in net.nodes}
     vertices: Dict[int, Vertex] = {}
     edges: List[Edge] = []
-    thetas: Dict[int, Tuple[float, float]] = {}  # of each node: length, direction of a piece
+    thetas: Dict[int, Tuple[float, float]] = {}  # by node: its longest piece's length, direction
     next_id = max(net.nodes) + 1
     for way in (_in_order(net, way, places) for way in ways):
         here = way.first
@@ -169,8 +168,8 @@ def _with_parking(graph: Graph, places: Mapping[int, NamedPlace], floor: Floor,
 
 
 def numbered(graph: Graph) -> Graph:
-    """Returns the graph with ids from 1. Vertices are in reading order, and edges in the order of
-    their ends.
+    """Returns the graph with ids from 1. Vertices are numbered row by row from the top left of the
+    map, edges in the order of their ends.
     """
     order = sorted(graph.vertices.values(), key=lambda v: (-round(v.y, 1), v.x, v.id))
     ids = {vertex.id: number for number, vertex in enumerate(order, 1)}

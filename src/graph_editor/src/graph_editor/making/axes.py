@@ -11,7 +11,7 @@ from graph_editor.floor import Floor
 
 NEAR_WALLS = (0.25, 1.0)  # m; in this range the clearance increases at right angles to the wall
 BINS = 180  # number of bins of half a degree
-SHARE = 0.12  # least length of walls along a further axis, relative to the walls along the first
+SHARE = 0.12  # least length of walls along a further axis, as a share of those along the first
 APART = 20.0  # deg; least angle between axes
 
 
@@ -41,7 +41,7 @@ def axes_of(floor: Floor) -> List[float]:
 
 
 def _apart(one: float, other: float) -> float:
-    """Returns the angle (deg, 0..45) between two directions, without whole right angles."""
+    """Returns the angle (deg, 0..45) between two directions, modulo a right angle."""
     return abs((one - other + 45.0) % 90.0 - 45.0)
 
 

@@ -77,7 +77,7 @@ def _runs(net: LaneNet, places: Set[int]) -> Iterator[List[int]]:
                 onward, = (node for node in net.neighbours(run[-1]) if node != run[-2])
                 run.append(onward)
             driven.update(net.lane(a, b).nodes for a, b in zip(run, run[1:]))
-            if run[0] == run[-1] and len(run) > 2:  # a ring: no edge joins a vertex to itself
+            if run[0] == run[-1] and len(run) > 2:  # a ring: no edge may join a vertex to itself
                 yield run[:-1]
                 yield [run[-2], run[-1]]
             else:

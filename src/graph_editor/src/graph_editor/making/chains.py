@@ -174,8 +174,8 @@ class ChainGraph:
         self._graph.remove_node(other)
 
     def way_round(self, chain: Chain) -> Optional[float]:
-        """Returns the length (m) of the shortest path between a chain's ends that does not use the
-        chain.
+        """Returns the length (m) of the shortest path from one end of a chain to the other that
+        does not use this chain.
 
         None: there is no such path; 0: the chain is a ring.
         """
@@ -191,7 +191,9 @@ class ChainGraph:
             self._graph.add_edge(chain.start, chain.end, key=chain.id, length=chain.length)
 
     def dead_ends(self) -> Iterator[Tuple[int, Chain]]:
-        """Yields each node with exactly one chain that leads to a junction, and this chain."""
+        """Yields the dead ends at junctions: the end node, and the chain from it to the
+        junction.
+        """
         for node in self.nodes:
             if self._graph.degree(node) == 1:
                 chain, = self.chains_at(node)

@@ -52,7 +52,7 @@ class Coverage:
         return np.where(self.mask, self._ways(self.mask, starts) * self.pitch, np.inf)
 
     def left_without(self, servants: np.ndarray, served: np.ndarray) -> float:
-        """Returns the area (m2) that would be unserved without one path.
+        """Returns the area (m2) that would be unserved if one path were removed.
 
         Adjacent cells that are already unserved also count. Otherwise a short dead end would seem
         less useful than a long one, and dead ends would be removed bit by bit.

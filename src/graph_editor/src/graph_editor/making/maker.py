@@ -36,7 +36,7 @@ TIMES = 3  # rounds of squaring and rectifying; several, because each step influ
 
 @dataclass(frozen=True, eq=False)
 class MadeGraph:
-    """A made graph. `notes` are warnings for people about the making, one sentence each."""
+    """A made graph. `notes` are warnings for people about how it was made, one sentence each."""
 
     graph: Graph
     notes: Tuple[str, ...]
@@ -102,8 +102,8 @@ def _lanes_floor(site: MappedSite, options: MakingOptions,
                  starts: List[Tuple[float, float]]) -> np.ndarray:
     """Returns the mask of the floor for lanes.
 
-    This floor is wide enough for the robot and connected to the places. Without places, this is the
-    largest connected part of the wide enough floor.
+    This floor is wide enough for the robot and connected to the places. If there are no places,
+    this is the largest connected part of the floor that is wide enough.
     """
     open_cells = site.floor.clearance >= options.tight
     if starts:

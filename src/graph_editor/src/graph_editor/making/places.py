@@ -1,4 +1,6 @@
-"""Makes a node for each goal and dock: on a lane that passes it, or at the end of its own lane."""
+"""Makes a node for each goal and dock: on a lane that passes the place, or at the end of a new
+lane.
+"""
 from __future__ import annotations
 
 import math
@@ -67,8 +69,8 @@ def _attach(net: LaneNet, place: NamedPlace, attached: Attached,
 
 
 def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, NamedPlace]) -> Optional[int]:
-    """Moves a near node, or bends a near lane, to the position. Returns the node; None: nothing is
-    near.
+    """Moves a nearby node to the position, or bends a nearby lane so that it passes there. Returns
+    the node; None: no suitable node or lane is near.
     """
     near = [(float(np.hypot(*(net.positions[node] - position))), node) for node in net.nodes
             if node not in taken]
@@ -130,8 +132,8 @@ def _with_lane_of_its_own(net: LaneNet, place: NamedPlace, attached: Attached,
 
 def _straight_behind(net: LaneNet, position: np.ndarray, heading: float,
                      taken: Dict[int, NamedPlace], options: MakingOptions) -> Optional[int]:
-    """Returns a node straight behind a dock, at least 0.4 m away: an old node, or a new node on a
-    lane.
+    """Returns a node straight behind a dock, at least 0.4 m away: an existing node, or a new node
+    on a lane.
     """
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
@@ -185,8 +187,8 @@ def _start_of_lane(floor: Floor, place: NamedPlace,
 
 
 def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> float:
-    """Returns the clearance that a lane needs: at most the available one, at least that of the
-    robot.
+    """Returns the clearance that a lane needs: the clearance at the position, but at most that of a
+    whole corridor, and at least that of the robot.
     """
     room = floor.clearance_of(position)
     return max(min(options.wide, room), options.robot_width / 2.0)
@@ -194,8 +196,8 @@ def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> floa
 
 def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: MakingOptions,
                       taken: Set[int]) -> Optional[Tuple[np.ndarray, LaneOrNode]]:
-    """Returns the end of the cheapest straight path from `start` to a lane or node, and this lane
-    or node.
+    """Finds the cheapest straight path from `start` to a lane or node. Returns the end of the path,
+    and this lane or node.
     """
     ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
     for lane in net.lanes:

@@ -16,7 +16,7 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 LEAST_FLOOR = 1.0  # m2; a dead end stays if no other lane serves this much floor
-LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, where bays are better
+LEAST_IN_CORNER = 6.0  # m2; LEAST_FLOOR of a dead end into a corner, where bays are better
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
 WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if no other lane serves this much floor
 NARROW_IS_WORSE = 3.0  # a lane whose corridor does not fit must be this many times as useful
@@ -50,7 +50,7 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Removes dead ends that hardly leave the widest free disc around their start.
+    """Removes dead ends that hardly reach beyond the widest free disc around their start.
 
     All spurs of a junction are removed together: at the end of a corridor there are two spurs into
     its corners, and neither spur is the real end of the corridor.
@@ -69,8 +69,8 @@ def _prune_spurs(graph: ChainGraph) -> None:
 def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
     """Returns whether a dead end is a spur.
 
-    The criterion is how far the free discs along the chain reach beyond the disc around its base.
-    A spur into a corner may reach farther than a spur behind a narrow place, like a door.
+    The criterion is how far the free discs along the chain reach beyond the disc at the chain's
+    base. A spur into a corner may reach farther than a spur behind a narrow place, like a door.
     """
     clearances = chain.clearances_towards(tip)
     beyond = chain.length + clearances[-1] - clearances[0]
@@ -94,9 +94,7 @@ def _widens(tip: int, chain: Chain) -> bool:
 
 
 class _Pruner:
-    """Prunes a skeleton. For this it counts, for each cell of the floor, the chains that serve the
-    cell.
-    """
+    """Prunes a skeleton. Counts how many chains serve each cell of the floor."""
 
     def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
         self._graph = graph
@@ -107,8 +105,8 @@ class _Pruner:
         self._take_up(graph.chains)
 
     def prune_dead_ends(self) -> None:
-        """Removes dead ends that serve hardly any floor that no other lane serves, the least useful
-        first.
+        """Removes dead ends, the least useful first, if other lanes serve almost all floor that
+        they serve.
         """
         while True:
             uses = [(self._use_of_dead_end(node, chain), node, chain)
@@ -175,12 +173,12 @@ class _Pruner:
                 heapq.heappush(waiting, (0.0, made.id, made))
 
     def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
-        """Returns the use of a dead end; a dead end with a use of 1 or more stays."""
+        """Returns how useful a dead end is; it stays if the result is 1 or more."""
         least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
         return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
-        """Returns the use of a side of a loop; a side with a use of 1 or more stays.
+        """Returns how useful a side of a loop is; it stays if the result is 1 or more.
 
         None: no other path connects the ends of the chain.
         """
@@ -224,7 +222,7 @@ def _is_short(graph: ChainGraph, chain: Chain) -> bool:
 
 def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
     """Moves both ends of a chain to its middle if the adjacent chains are visible from there.
-    Returns whether it did.
+    Returns whether the ends were moved.
     """
     steps = np.linalg.norm(np.diff(chain.path, axis=0), axis=1)
     middle = int(np.searchsorted(np.cumsum(steps), chain.length / 2.0)) + 1

@@ -21,8 +21,8 @@ from graph_editor.making.straights import Margin, margins_of, straights, ways_to
 from graph_editor.making.tidying import LEAST_FLOOR
 
 STEP = 0.25  # m between the places at which lanes may begin, bend and end
-ENOUGH = 0.9  # a path ends where it serves this share of the floor that the whole path serves
-MIDDLE = 2.0  # m of path that count like one metre of clearance when the far end is chosen
+ENOUGH = 0.9  # a path is shortened to a part that serves this share of the path's floor
+MIDDLE = 2.0  # m of path worth as much as one metre of clearance when the far end is chosen
 
 Cell = Tuple[int, int]
 
@@ -35,8 +35,8 @@ class Joint(NamedTuple):
 
 
 class WayToFloor(NamedTuple):
-    """Lanes from a joint through places to turn (`places`, (N,2)). The first place is the joint
-    itself.
+    """Lanes that lead from a joint through `places` (N,2), at which robots can turn. The first
+    place is the joint itself.
     """
 
     joint: Joint
@@ -46,10 +46,11 @@ class WayToFloor(NamedTuple):
 
 
 def reach_out(net: LaneNet, options: MakingOptions) -> None:
-    """Adds lanes to parts of the floor that are far from lanes and on which robots can turn.
+    """Adds lanes to those parts of the floor that are far from lanes but have space for robots to
+    turn.
 
-    The largest part comes first. Parts of less than LEAST_FLOOR m2 are ignored, and so are parts to
-    which no path leads.
+    The largest part comes first. Parts are ignored if they have less than LEAST_FLOOR m2, or if no
+    path leads to them.
     """
     floor = net.floor
     coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)
@@ -99,8 +100,8 @@ def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
 
 
 def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
-    """Returns the joints with space to turn, by their cells. In a cell with several, a node is
-    preferred.
+    """Returns the joints with space to turn, by their cells. If a cell has several joints, a node
+    is preferred.
     """
     joints = []
     for lane in net.lanes:
@@ -116,8 +117,8 @@ def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
 
 def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
             floor: Floor) -> int:
-    """Returns how many points from the start of a path are enough to serve the share ENOUGH of the
-    floor that the whole path serves.
+    """Returns how many points, from the start of a path, are enough: they serve the share ENOUGH of
+    the floor that the whole path serves.
     """
     def served(count: int) -> int:
         return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))

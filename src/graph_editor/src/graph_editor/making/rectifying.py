@@ -4,7 +4,7 @@ The method is least squares for all nodes at once:
 - Each lane should lie on the points of the skeleton that it represents. Narrow places have more
   weight.
 - A lane that nearly follows an axis must follow it.
-- If a condition would reduce the clearance of a lane too much, it is dropped for this lane.
+- A condition is dropped for a lane if it would reduce the clearance of this lane too much.
 """
 from __future__ import annotations
 
@@ -77,7 +77,9 @@ class _Rectifier:
             self._net.positions[node] = start
 
     def _give_up(self, wrong: List[Key], far: List[int]) -> None:
-        """Drops conditions: a wrong lane stops following an axis, or its nodes are fixed."""
+        """Drops conditions. A wrong lane no longer follows its axis; if it followed none, its nodes
+        are fixed. All lanes at the nodes `far` count as wrong.
+        """
         for node in far:
             wrong += [(min(node, other), max(node, other)) for other in self._net.neighbours(node)]
         for key in set(wrong):
@@ -120,7 +122,7 @@ class _Rectifier:
         solution = spsolve((matrix.T @ matrix).tocsc(), matrix.T @ np.array(wanted))
         for node, k in self._index.items():
             self._net.positions[node] = solution[2 * k:2 * k + 2]
-        for node in self._places:  # the weight is not exact, but a place must not move at all
+        for node in self._places:  # the weight only reduces a movement, but a place must not move
             self._net.positions[node] = self._start[node]
 
     def _samples(self, lane: Lane) -> List[Tuple[float, np.ndarray, float]]:

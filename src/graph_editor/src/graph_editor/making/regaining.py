@@ -1,4 +1,4 @@
-"""Adds those places again that were removed with their lanes, if other lanes lead near them."""
+"""Restores places that were removed together with their lanes, if other lanes lead near them."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, Sequence, Tuple
@@ -12,7 +12,7 @@ from graph_editor.site import NamedPlace
 
 def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, NamedPlace], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> LaneNet:
-    """Returns the net with those places behind gaps to which lanes can lead after all.
+    """Adds the places behind gaps to which lanes can lead after all. Returns the new net.
 
     The nodes of these places are added to `places`. Each place is tried on a copy of the net. A
     place is not added if that would cause another gap.

@@ -1,4 +1,4 @@
-"""Makes the skeleton of a mask: forks and ends become nodes, and the cells between them chains."""
+"""Makes the skeleton of a mask: forks and ends become nodes; cells between nodes become chains."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, Tuple
@@ -50,7 +50,7 @@ def _add_knots_to_rings(skeleton: np.ndarray, knots: np.ndarray) -> None:
 
 
 def _middles(clusters: np.ndarray, count: int) -> Iterator[Cell]:
-    """Yields the cell of each cluster that is nearest to the cluster's centroid."""
+    """Yields for each cluster the cell that is nearest to the cluster's centroid."""
     rows, columns = np.nonzero(clusters)
     labels = clusters[rows, columns]
     order = np.argsort(labels, kind='stable')

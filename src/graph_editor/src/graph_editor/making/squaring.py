@@ -2,8 +2,8 @@
 
 - A slant that connects two perpendicular lanes is replaced by the corner at which the extensions of
   these lanes meet.
-- A slant that ends at a lane across the slant's axis is moved so that it meets this lane at a right
-  angle.
+- If a slant ends at a lane that is perpendicular to the slant's nearest axis, the slant is moved
+  and then meets this lane at a right angle.
 - A slant that is a dead end is turned to an axis.
 """
 from __future__ import annotations
@@ -59,7 +59,9 @@ def _is_slant(net: LaneNet, lane: Lane, axes: Sequence[float]) -> bool:
 
 
 def _nearest_axis(direction: float, axes: Sequence[float]) -> float:
-    """Returns the direction (rad) along one of the axes that is nearest to `direction`."""
+    """Returns the direction (rad), along or across one of the axes, that is nearest to
+    `direction`.
+    """
     along = [axis + round((direction - axis) / (math.pi / 2.0)) * math.pi / 2.0 for axis in axes]
     return min(along, key=lambda candidate: abs(candidate - direction))
 
@@ -70,7 +72,7 @@ def _direction(net: LaneNet, start: int, end: int) -> float:
 
 
 def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """Yields the free corners that could replace a slant because the slant cuts them."""
+    """Yields the free corners that a slant cuts and that could replace the slant."""
     a, b = slant.nodes
     if net.length(slant) > LONGEST_CUT:
         return

@@ -16,7 +16,7 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 STEP = 0.2  # m between the points of a chain at which a piece may end
-STRAYING = 4.0  # cost per m2 of squared deviation and m of length
+STRAYING = 4.0  # cost per m3 of squared deviation times length
 LONGEST = 150  # largest number of steps in a piece
 
 
@@ -37,7 +37,7 @@ def straighten(graph: ChainGraph, options: MakingOptions) -> LaneNet:
 def straight_pieces(floor: Floor, path: np.ndarray, wide: float) -> List[int]:
     """Returns the indices of the points of `path` (N,2) at which straight pieces begin and end.
 
-    A piece must have the clearance of its part of the path, or `wide` (m) if that is less. A path
+    A piece must have the clearance of its part of the path, or `wide` (m) if `wide` is less. A path
     that returns to its start gets at least three pieces.
     """
     stops = _stops(path)
@@ -73,8 +73,8 @@ def _stops(path: np.ndarray) -> List[int]:
 
 
 def _moments(path: np.ndarray) -> np.ndarray:
-    """Returns (N,6): for each point of the path, the integrals of 1, x, y, x2, xy, y2 along the
-    path up to it.
+    """Returns (N,6): the integrals of 1, x, y, x2, xy, y2 from the start of the path to each of its
+    points.
     """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     x, y = ((path[1:] + path[:-1]) / 2.0).T

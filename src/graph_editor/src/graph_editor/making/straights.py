@@ -14,8 +14,8 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import straight
 
 LONGEST = 3.0  # m; largest length of a lane between two places to turn
-PIECE = 0.5  # m of path that equal the cost of an additional lane
-TIGHTNESS = 4.0  # m of path that equal the cost of one metre less of clearance
+PIECE = 0.5  # m of path that cost as much as an additional lane
+TIGHTNESS = 4.0  # m of path that cost as much as one metre less clearance
 AWAY = 8.0  # m; paths are searched within this distance of the points to connect
 JUMP = 2.0  # m; largest length of a lane from one part of the floor for turning to another
 
@@ -88,8 +88,8 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
     """Returns the cost (rows, columns) of a path through each cell; narrow cells cost more.
 
     A cell is open if robots can turn on it, or if it is on the cheapest straight lane between two
-    near parts of the floor for turning. All other cells are CLOSED. Cells more than AWAY m outside
-    the box around points (N,2) are also CLOSED.
+    nearby parts of the floor on which robots can turn. All other cells are CLOSED. Cells more than
+    AWAY m outside the box around points (N,2) are also CLOSED.
     """
     (top, bottom), (left, right) = floor.cells_of(
         np.array((points.min(axis=0) - AWAY, points.max(axis=0) + AWAY)))
@@ -105,7 +105,7 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
 
 def _jumps(floor: Floor, turning: np.ndarray, margin: Margin,
            options: MakingOptions) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
-    """Yields start and end of the cheapest straight lane between each two near parts of the floor.
+    """Yields for each two nearby parts of the floor the cheapest straight lane: its start and end.
     """
     parts, _ = ndimage.label(turning, EVERY_NEIGHBOUR)
     rim = np.nonzero(turning & ~ndimage.binary_erosion(turning, EVERY_NEIGHBOUR))

@@ -33,10 +33,10 @@ def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None
 
 
 def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
-    """Removes dead ends that serve hardly any floor that no other lane serves, the least useful
-    first.
+    """Removes dead ends, the least useful first, if other lanes serve almost all floor that they
+    serve.
 
-    A lane stays if without it the dead end would end at a place without space to turn.
+    A lane stays if the dead end without it would end at a place where robots cannot turn.
     """
     served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
               for lane in net.lanes}

@@ -19,11 +19,12 @@ def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
     """Moves the tips of dead ends, except the nodes to `keep`, to places at which robots can turn.
 
     - A tip moves back along its lane.
-    - If this would leave much floor unserved, the tip moves to a place beside the lane that a
-      straight lane reaches.
+    - If this would leave much floor unserved, the tip moves to a place beside the lane that can be
+      reached on a straight lane.
     - A dead end that becomes too short is removed.
-    - If the only remaining lane has no place to turn, a single place to turn replaces it, near a
-      start of robots (`homes`, m) or near the lane. If there is no such place, the lane stays.
+    - If the only remaining lane has no place to turn, a single node replaces it: a place to turn
+      near a start of robots (`homes`, m) or near the lane. If there is no such place, the lane
+      stays.
     """
     for tip in net.nodes:
         if tip in keep or tip not in net.positions or net.degree(tip) != 1:

@@ -33,7 +33,7 @@ from graph_editor.site import NamedPlace
 
 NEAR = 1.5  # m; lanes within this distance of a narrow corner may be replaced
 ASIDE = 0.8  # m; places to turn are searched within this distance of the lanes
-PLACES = 120  # number of places to turn that are tried, the nearest to the narrow places
+PLACES = 120  # number of places to turn that are tried: those nearest to the narrow places
 
 
 class Gap(NamedTuple):
@@ -63,9 +63,9 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
     """Replaces lanes that are too narrow, except at the nodes of `places`.
 
     If no path is found, the lanes are removed. If the net then has several parts, only one part
-    stays: the part with the largest number of places. Among equals, robots must reach the part from
-    the largest number of `homes` (m); then the longest part stays. The places of other parts are
-    removed.
+    stays: the part with the largest number of places. If this number is equal, the number of
+    `homes` (m) from which robots reach the part decides; then its length decides. The places of
+    other parts are removed.
 
     Returns the gaps.
     """
@@ -88,7 +88,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
-    """Adds a node to each lane that is too narrow, at its narrowest place."""
+    """Adds a node at the narrowest place of each lane that is too narrow."""
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
         room = net.floor.clearance_at(points)
@@ -128,7 +128,9 @@ def _leave_out(net: LaneNet, places: Dict[int, NamedPlace], homes: Sequence[Tupl
 
 def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],
                 options: MakingOptions) -> List[int]:
-    """Returns the number of `homes` (m) from which robots can drive to each part of the net."""
+    """Returns for each part of the net the number of `homes` (m) from which robots can drive to
+    it.
+    """
     costs = ways_to_drive(net.floor, margins_of(options)[1], options,
                           np.vstack((*homes, *net.positions.values())))
     floor, _ = ndimage.label(costs != CLOSED, EVERY_NEIGHBOUR)
@@ -192,8 +194,8 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOpti
 
 def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
                   options: MakingOptions) -> np.ndarray:
-    """Returns places to turn (N,2) that are nearest to the parts of the lanes without space to
-    turn.
+    """Returns the places to turn (N,2) that are nearest to those parts of the lanes where robots
+    cannot turn.
     """
     places = places_to_turn(net.floor, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]

@@ -160,7 +160,7 @@ class Board:
                 self._insert(marker)
 
     def _looks(self, severities: Mapping[Key, Optional[Severity]]) -> Dict[str, Dict[int, Look]]:
-        """Returns the looks of the elements that do not look plain, by kind and id."""
+        """Returns the looks that are not plain, by kind and id of their elements."""
         looks: Dict[str, Dict[int, Look]] = {'vertex': {}, 'edge': {}}
         for (kind, id), severity in severities.items():
             if severity is not None:

@@ -112,8 +112,8 @@ class EditorNode:
             self._words.publish(self.session.said)
 
     def _severities_of_changed(self) -> Dict[Key, Optional[Severity]]:
-        """Returns the severity of each changed element, each checked without the others; None: no
-        finding.
+        """Checks each changed element on its own. Returns the highest severity of its findings;
+        None: no finding.
         """
         draft, before = self.session.draft, self._last_draft
         vertices = {id for id, vertex in draft.vertices.items()
@@ -133,7 +133,9 @@ class EditorNode:
                 self.show()
 
     def _take_over(self, draft: Draft) -> None:
-        """Takes a draft over in a thread, because the fleet manager's answer may take seconds."""
+        """Puts a draft in force; uses a thread, because the fleet manager's answer may take
+        seconds.
+        """
         threading.Thread(target=self._put_in_force, args=(draft,), name='take over',
                          daemon=True).start()
 

@@ -49,7 +49,7 @@ TURNER, BENDERS = 'turn', ('bend f', 'bend b')
 
 
 class Look(NamedTuple):
-    """The properties on which an element's colour depends, besides the element itself."""
+    """The properties that determine an element's colour together with the element itself."""
 
     severity: Optional[Severity] = None
     selected: bool = False

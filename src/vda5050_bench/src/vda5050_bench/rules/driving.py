@@ -266,7 +266,8 @@ def _online_again(trial: Trial) -> None:
 def _lose_broker(trial: Trial) -> Tuple[Message, int, int]:
     """Kills the broker while the vehicle drives, and starts it again.
 
-    Returns the state before, and the numbers of states and connection messages before.
+    Returns the last state before the kill, and the numbers of states and connection messages until
+    then.
     """
     master, broker = trial.master, trial.own_broker
     if broker is None:

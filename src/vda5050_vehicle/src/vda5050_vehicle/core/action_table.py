@@ -1,4 +1,4 @@
-"""The table of actions: the actions of a vehicle other than driving, and their execution.
+"""The table of actions: what a vehicle can do besides driving, and how each action is executed.
 
 The table is a YAML file (`actions.yaml`), so that this package does not depend on a robot. Each
 action is executed as a goal of a ROS action. The text fields of the goal may contain parameters of

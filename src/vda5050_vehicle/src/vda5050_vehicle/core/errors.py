@@ -10,7 +10,7 @@ from vda5050_vehicle.drivers.robot_view import RobotSnapshot
 
 # Masters interpret an error without references as a rejection of their last order.
 _OF_NO_ORDER = ErrorReference('topic', 'state')
-MAX_REJECTIONS = 100  # the newest rejections that are reported, so that a state stays small
+MAX_REJECTIONS = 100  # only the newest rejections are reported, so that a state stays small
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Errors:
     - Failures stay until a person or the master deals with them.
     - Conditions of the robot stay as long as they exist.
 
-    drive, action -- the failure of driving, or of an action, that keeps the vehicle from driving on
+    drive, action -- failures of the drive and of an action; both keep the vehicle from driving on
     """
 
     rejections: Tuple[Error, ...] = ()

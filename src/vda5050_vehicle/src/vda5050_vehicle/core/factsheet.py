@@ -13,7 +13,7 @@ SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpeci
 
 _ARRAYS = ('node.actions', 'edge.actions', 'actions.actionsParameters')
 
-# The optional fields that the vehicle honours: path in the messages of 2.1.0, and a description.
+# The optional fields that the vehicle honours: for each its path in 2.1.0, and a description.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
     ('order.nodes.nodePosition', 'must be within 0.3 m of a node that the vehicle knows'),
     ('order.nodes.nodePosition.allowedDeviationXY',

@@ -17,7 +17,7 @@ class Identity:
     map_version: str = ''
 
     def check(self, header: Header) -> None:
-        """Raises Malformed if a message names another vehicle; it need not name a vehicle."""
+        """Raises Malformed if a message names another vehicle; a message may name no vehicle."""
         for key, theirs, ours in (('manufacturer', header.manufacturer, self.manufacturer),
                                   ('serialNumber', header.serial_number, self.serial_number)):
             if theirs and theirs != ours:

@@ -46,7 +46,7 @@ class Inbox:
 
 
 def _ids_in(topic: str, payload: bytes) -> Iterator[ErrorReference]:
-    """Yields the ids of a malformed message that can be read."""
+    """Yields those ids that can be read in a malformed message."""
     try:
         message = read_json(payload)
     except Malformed:

@@ -14,7 +14,7 @@ PATIENCE = 10.0      # s within which the robot must take the pose
 
 @dataclass(frozen=True)
 class PoseWish:
-    """A pose that was sent to the robot; it counts as taken within `within` (m, rad)."""
+    """A pose that was sent to the robot; `within` (m, rad) is the permitted error."""
 
     action_id: str
     pose: RobotPose

@@ -27,7 +27,7 @@ class VdaVehicleState:
     epoch   -- the robot's last known epoch
     away    -- whether nodes may have been passed while the adapter was not running
 
-    It is one value, so that it is stored as a whole.
+    The state is one value, so that it is stored as a whole.
     """
 
     order: OrderState = OrderState()
@@ -54,7 +54,7 @@ class VdaVehicleState:
             setattr(self, field.name, getattr(other, field.name))
 
     def differs_from(self, other: VdaVehicleState) -> bool:
-        """Returns whether a field has another object; unchanged fields keep their object."""
+        """Returns whether a field differs; an unchanged field is the same object in both states."""
         return any(getattr(self, field.name) is not getattr(other, field.name)
                    for field in fields(self))
 

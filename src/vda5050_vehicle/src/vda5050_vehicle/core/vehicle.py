@@ -97,7 +97,9 @@ class VdaVehicle:
         return self._handle_events(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
-        """Continues after some time, or after an event of the driver; several times a second."""
+        """Continues after some time, or after an event of the driver. The caller calls it several
+        times a second.
+        """
         self.driver.tick(now)
         return self._handle_events(now)
 
@@ -148,8 +150,8 @@ class VdaVehicle:
     def _judge_epoch(self) -> None:
         """Reports a failure if another program or person has driven or stopped the robot.
 
-        A new epoch shows this if this vehicle commands no motion. Only the master may then
-        continue the drive. If an action commands the motion, the new epoch belongs to the action.
+        A new epoch shows this if neither the drive nor an action of this vehicle commands motion.
+        After this failure, only the master may continue the drive.
         """
         state, epoch = self.state, self.state.drive.epoch
         if not epoch or epoch == state.epoch:
@@ -231,7 +233,7 @@ class VdaVehicle:
     def _must_stop_now(self) -> bool:
         """Returns whether an instant action requires a stop now.
 
-        The actions of a node require none: the vehicle drives on to the node and stands there.
+        For the actions of a node, the vehicle drives on to the node and stands there.
         """
         actions = self.state.actions
         return any(actions[name].forbids_driving and not actions[name].belongs_to_order

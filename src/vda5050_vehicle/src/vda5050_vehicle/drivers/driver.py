@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, T
 from vda5050_protocol.values import ErrorKind, OrderEdge, OrderNode
 from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
-SETTLING = 1.0  # s; so long after a command, reports may show the motion from before the command
+SETTLING = 1.0  # s; for this time after a command, reports may still show the earlier motion
 
 
 class NotDrivable(Exception):
@@ -92,7 +92,8 @@ D = TypeVar('D', bound=DriveProgress)
 
 
 class Driver(ABC, Generic[D]):
-    """Drives legs, which are numbered from the last `begin` on. It repeats no motion by itself.
+    """Drives legs; their numbers begin with 0 at each `begin`. A driver repeats no motion by
+    itself.
 
     longest -- the largest number of legs that can be driven after a `begin`; None: any number
 
@@ -149,7 +150,7 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def begin(self) -> None:
-        """Begins a new order, or the rest of an order; the first leg from now on is number 0."""
+        """Begins a new order, or the rest of an order; the next leg gets the number 0."""
 
     @abstractmethod
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:

@@ -81,8 +81,8 @@ def check_fields(order: OrderMessage, can: Abilities) -> None:
 
 def check_headings(nodes: Sequence[OrderNode], can: Abilities,
                    can_turn: Callable[[int, OrderNode], bool], first: int = 1) -> None:
-    """Raises NotDrivable if a node from index `first` on has a heading for which `can_turn` returns
-    False.
+    """Raises NotDrivable if a node has a heading for which `can_turn` returns False. Nodes before
+    index `first` are not checked.
     """
     if 'theta' in can.ignored:
         return

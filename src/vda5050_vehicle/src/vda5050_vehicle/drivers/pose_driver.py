@@ -1,9 +1,10 @@
 """Drives an order as a series of poses, for robots with move_base and without a graph.
 
-The robot plans its own path between nodes. A node without a heading that is not the last node
-counts as passed within its deviation. The driver then sends the next pose, so that the robot does
-not stop. If something else has stopped or moved the robot after it obeyed the driver
-(`RobotSnapshot.halted`), the driver sends no next pose: it could reach a robot that still brakes.
+The robot plans its own path between nodes. A node counts as passed within its deviation if it has
+no heading and is not the last node. The driver then sends the next pose, so that the robot does not
+stop. If something else has stopped or moved the robot after it obeyed the driver
+(`RobotSnapshot.halted`), the driver sends no next pose, because the robot may still brake when the
+pose arrives.
 """
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ class RouteDrive(DriveProgress):
 
     @property
     def route(self) -> Optional[Order]:
-        """The route of these legs that is in force or driven to its end; None: no such route."""
+        """The route of these legs, if it is in force or was driven to its end; otherwise None."""
         return None if self.origin is None else self.protocol.farthest
 
 
@@ -170,7 +170,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._order(first, tuple(leg.edge for leg in legs), now)
 
     def _order(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        """Orders these legs, from number `first` on, if this changes the route."""
+        """Orders these legs if this changes the route; `first` is the number of the first leg."""
         drive, known, number = self.drive_state, self.drive_state.protocol, self._next_number()
         route, origin, label = drive.route, drive.origin, label_of(number)
         if route is not None and origin is not None:

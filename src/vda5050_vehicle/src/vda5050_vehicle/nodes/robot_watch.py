@@ -128,7 +128,7 @@ class RobotWatch:
         def last(name: str) -> Any:
             """Returns the last value of a signal that is sent only on a change.
 
-            It has no time limit.
+            This value has no time limit.
             """
             item = heard.get(name)
             return None if item is None else item.value

@@ -94,7 +94,7 @@ class VehicleNode:
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
         self._look_is_due = self._is_ready_told = False
-        self._messages: Deque[Tuple[str, bytes]] = deque()  # of the master, oldest first
+        self._messages: Deque[Tuple[str, bytes]] = deque()  # oldest first
         self._vehicle = VdaVehicle(identity, settings.codec, settings.table, settings.make_driver,
                                    settings.abilities)
         self._factsheet = sheet.factsheet(settings.document, self._vehicle.context.table,
