@@ -21,7 +21,7 @@ from trajectory_graph.shortest_paths import Road, nearest_first
 class Alone(NamedTuple):
     """Ids of edges and vertices. Only one robot at a time may be on them, however far apart.
 
-    The edges at the vertices belong to them, too.
+    The edges at these vertices belong to the group, too.
     """
 
     edges: FrozenSet[int]
@@ -99,8 +99,8 @@ class SiteGeometry:
         return Approach(edges, frozenset(near) - {dock})
 
     def _near(self, dock: int, roads: List[List[Road]]) -> Dict[int, float]:
-        """Returns the distance (m) along the edges, by vertex, of all vertices that are nearer to
-        a dock than `dock_approach`.
+        """Returns all vertices that are nearer to a dock than `dock_approach`, each with its
+        distance (m) from the dock along the edges.
         """
         near = takewhile(lambda reached: reached.distance < self.dock_approach,
                          nearest_first(dock, roads.__getitem__))

@@ -50,14 +50,14 @@ class Resource:
     def orders_plans(self) -> bool:
         """Whether plans keep an order of use for this resource.
 
-        They do if only one robot may claim it and it has several places. Without that order two
-        robots could be at these places at once.
+        They do if only one robot may claim the resource and it has several places. Without the
+        order of use, two robots could be at these places at once.
         """
         return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
 
 
 class Rest(NamedTuple):
-    """The rest of an edge, which a robot has still to drive.
+    """The part of an edge that a robot has still to drive.
 
     behind -- the fraction of the edge, in driving direction, that lies behind the robot's centre
     reach  -- m around its centre that the robot may cover
@@ -74,10 +74,10 @@ class Needs:
     """The resources that the places of one graph need.
 
     An edge also needs what the vertices at its ends need, because a robot on it may stand there.
-    But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
-    robot covers that vertex. So a robot that a person put down on the edge may drive on while
-    another robot claims what the vertex behind it needs. A robot that claims this already keeps
-    the claim until it has left the edge.
+    But the rest of an edge does not need the resources of the vertex behind the robot if no part of
+    the robot covers that vertex. So if a person puts a robot down on the edge, it may drive on
+    while another robot claims these resources. If a robot claims them already, it keeps the claim
+    until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
@@ -115,7 +115,9 @@ class Needs:
         return self._inside(edge) | self.of_vertex(self._ends(edge)[1])
 
     def _covers_start(self, edge: int, reach: float) -> float:
-        """Returns up to which fraction of a signed edge a robot covers the start of the edge."""
+        """Returns the fraction of a signed edge up to which a robot still covers the start of the
+        edge.
+        """
         known = self._covered.get((edge, reach))
         if known is None:
             start = self._geometry.graph.start_vertex(edge).position

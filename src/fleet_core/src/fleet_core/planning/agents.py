@@ -34,7 +34,7 @@ class Rests:
 
     @property
     def whole(self) -> FrozenSet[int]:
-        """All these vertices."""
+        """All vertices of both kinds."""
         return self.common | self.own
 
 
@@ -42,7 +42,8 @@ class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
     The searches read the attributes in their inner loops, so all values are computed before a
-    search begins. They are computed at first use, because a robot that keeps its plan needs none.
+    search begins. The slow ones are computed only at their first use, because a robot that keeps
+    its plan needs none.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to
@@ -76,12 +77,12 @@ class PathQuery:
 
     @cached_property
     def _paths(self) -> List[np.ndarray]:
-        """For each leg, the seconds (V,) from each vertex to its destination."""
+        """For each leg, the seconds (V,) from each vertex to the leg's destination."""
         return self.network.paths_to(self._kind, self.destinations)
 
     @cached_property
     def _beyond(self) -> List[float]:
-        """For each leg, the seconds from its destination to the last destination, with all stays.
+        """For each leg, the seconds from its destination to the last destination, stays included.
         """
         beyond = 0.0
         found: List[float] = []
@@ -102,7 +103,8 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex to its destination and then to all later ones.
+        """For each leg, the seconds from each vertex to the leg's destination and on to all later
+        ones.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
@@ -116,7 +118,9 @@ class PathQuery:
 
     @cached_property
     def lower_bound(self) -> float:
-        """The lowest cost of the robot without traffic; infinite: something is unreachable."""
+        """The lowest cost of the robot without traffic; infinite: a destination or all rests are
+        unreachable.
+        """
         bound = self.ready
         if self.legs:
             bound += self._beyond[0] + self.seconds_to(self._paths[0])
@@ -148,7 +152,7 @@ class PathQuery:
               until: float) -> Tuple[int, float, float]:
         """Serves the destination of a leg, and the next ones if they are at the same vertex.
 
-        Each is served only if the vertex is free for its whole stay.
+        A destination is served only if the vertex is free for the whole stay.
 
         Returns the next leg, the end of the last stay, and when the robot may leave.
         """

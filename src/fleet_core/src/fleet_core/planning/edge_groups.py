@@ -3,9 +3,10 @@
 Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
 that exclude each other. The two plans are a path through this picture that passes each mark on one
 side. Marks that touch each other, also at a corner, form a *group*. One order holds for all marks
-of a group, whether the robots drive through it one behind the other or against each other. The path
-may pass the group on its other side instead, except if one of the robots was granted a drive in the
-group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
+of a group, whether the robots drive through the group in the same direction or in opposite
+directions. The path may pass the group on its other side instead, except if one of the robots was
+granted a drive in the group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI
+2025).
 """
 from __future__ import annotations
 
@@ -29,7 +30,7 @@ class RobotProgress(NamedTuple):
 
     released   -- number of its first drives that are granted
     cleared    -- number of the first drive that is not cleared, and its cleared fraction
-    is_between -- it stands between two vertices, on the first drive that is not released
+    is_between -- the robot stands between two vertices, on the first drive that is not released
     """
 
     kind: RobotType
@@ -71,7 +72,7 @@ class _Marks(NamedTuple):
 
     first: np.ndarray        # (M,) index into _Drives
     then: np.ndarray         # (M,)
-    first_clear: np.ndarray  # (M,) the fraction after which the first is out of the other's way
+    first_clear: np.ndarray  # (M,) the fraction after which `first` is clear of `then`
     then_clear: np.ndarray   # (M,)
     fixed: np.ndarray        # (M,) whether the order of the pair is fixed
 
@@ -155,9 +156,8 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
 
     The order is fixed if
 
-    - one of the drives is released,
-    - the robot that goes first already stands in the other's way, or
-    - the other robot would end in the way of the first robot.
+    - one of the drives is released, - the robot that goes first already stands in the way of the
+    other robot, or - the other robot would end in the way of the first robot.
     """
     first, then = marks.first, marks.then
     fixed = drives.released[first] | drives.released[then] | drives.is_between[first]
@@ -217,7 +217,8 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns the marks of each group whose conditions do not follow from marks of earlier drives.
+    """Returns, for each group, the marks whose conditions do not follow from marks of earlier
+    drives.
     """
     if not len(group):
         return np.zeros(0, dtype=np.int64)

@@ -1,7 +1,7 @@
 """PIBT: one step of all robots at once. Robots choose their moves in the order of priorities.
 
-A robot in the way of a more urgent robot is asked to move. It then asks the robots in its own way
-(Okumura et al., AIJ 2022).
+If a robot is in the way of a more urgent robot, it is asked to move. It then asks the robots that
+are in its own way (Okumura et al., AIJ 2022).
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FAR = 12
 
 
 _Neighbours = List[Tuple[RobotType, List[int], List[int]]]
-"""For each robot type the vertices and edges that a drive excludes."""
+"""For each robot type, the vertices and the edges that a drive excludes."""
 
 
 class PibtAgent:
@@ -156,11 +156,10 @@ class Pibt:
 
     def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
              ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
-        """Returns the next configuration, the drives that lead there, and the robots that changed
-        priority.
+        """Returns the next configuration, the drives that lead there, and the changes of priority.
 
-        Returns None if the forced moves exclude each other. In the third value each pair names a
-        robot, and another robot that lets it go first.
+        In the third value each pair names a robot and another robot that lets it go first. Returns
+        None if the forced moves exclude each other.
         """
         agents = self.agents
         self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
@@ -187,7 +186,8 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """Chooses the move of a robot: towards the end of its leg, or none if that is impossible.
+        """Chooses the move of a robot: towards the end of its leg, or to stay if that is
+        impossible.
         """
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]
@@ -295,7 +295,7 @@ class Pibt:
         return begun < (1.0 - part[0] if drive & 1 else part[1])
 
     def _stands_on(self, robot: int, path: AbstractSet[int]) -> bool:
-        """Returns whether a robot is on a path of vertices, or between two of them."""
+        """Returns whether a robot stands on a vertex of a path, or between two of its vertices."""
         if not self._is_mid_edge(robot):
             return self._vertex[robot] in path
         drive = self._mid_edge[robot].drive
@@ -318,7 +318,7 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """Returns for each robot the vertex at which it is to rest; for a robot without rests, None.
+    """Returns the vertex at which each robot is to rest; None for a robot without rests.
 
     A robot with nothing to do stays where it is if it may. Returns None in place of the list if no
     free rest is left for a robot.
