@@ -36,8 +36,7 @@ class Approach(NamedTuple):
 
 
 class Conflicts(NamedTuple):
-    """For each place the places that exclude it at one distance, stored like the rows of a CSR
-    matrix.
+    """For each place the places that exclude it at one distance, as rows of a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
     fractions of edge p, driven forward or backward, after which `other` is free again. If `other`
@@ -226,9 +225,7 @@ class _Pairs:
             self._new.append((place, other, low, high))
 
     def merge(self) -> None:
-        """Makes one sorted entry for each pair, with a part that covers all parts added for the
-        pair.
-        """
+        """Sorts the pairs, with one entry for each pair: a part that covers all its added parts."""
         columns = [(self.place, self.other, self.low, self.high), *self._new]
         place, other, low, high = map(np.concatenate, zip(*columns))
         self._new = []
@@ -322,9 +319,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns the distances (m) between `points` (2,N) at the indices `one` and `others` at the
-    indices `other`.
-    """
+    """Returns distances (m) between `points` (2,N) at indices `one` and `others` at `other`."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there

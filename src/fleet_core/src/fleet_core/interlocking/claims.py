@@ -121,8 +121,7 @@ class Claims:
         """
         self._clock = clock
         self._number = number
-        # The three reasons for claims, by robot, without resources that the site does not have any
-        # more.
+        # The three reasons for claims, by robot. Resources that left the site are omitted.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
         # Until its allocation is known, a robot may need all that it claims in the journal.
@@ -187,12 +186,10 @@ class Claims:
 
         Empty: none does.
 
-        A robot that is already where a resource is needed may leave, even if the resource's device
-        is shut.
+        A robot that is already where a resource is needed may leave, even if the device is shut.
 
         is_inside -- the robot stands on the edge, between its ends
-        here      -- resources that the robot's present edge needs: the robot does not enter them
-                     anew
+        here      -- resources that the robot's present edge needs; the robot is in them already
         rest      -- the part of the edge that the robot has still to drive
         """
         needed = self.needs.of_edge(edge, rest)

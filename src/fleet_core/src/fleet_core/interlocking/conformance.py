@@ -207,7 +207,7 @@ class Conformance:
             new = NOTHING if before is None or self._every > 1 else now - needed - before
             over = frozenset(one for one in new if len(claims.holders(one))
                              > claims.needs.resources[one].capacity)
-            # A robot whose place has been unknown since the start claims again when its place is
+            # If a robot's place is unknown since the start, it claims again when its place is
             # known.
             unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
                 self._needs_of(name, stored, claims.needs, True) - claims.stored_of(name))
@@ -233,9 +233,7 @@ class Conformance:
         return kept[1]
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
-        """Returns whether the state is the same as at the last check. Each change makes new
-        objects.
-        """
+        """Returns whether nothing has changed since the last check; a change makes new objects."""
         before = self._seen.get(name)
         now = self._seen[name] = master.allocation, master.protocol, master.last_sent
         return before is not None and before[2] == now[2] and (

@@ -1,5 +1,4 @@
-"""Held places: the places of the geometry that robots hold, and which of these places exclude each
-other.
+"""Held places: the places of the geometry that robots hold, and which of them exclude each other.
 """
 from __future__ import annotations
 

@@ -136,8 +136,7 @@ class Interlocking:
     conformance -- checks each step against the model; None: the steps are not checked
     news        -- returns the names of the robots that changed since its last call; None: any robot
                    may have changed at any time
-    claims      -- the claims of the robots to the resources of the site; None: the site has no
-                   resources
+    claims      -- the claims of the robots to resources; None: the site has no resources
 
     The attributes are the facts on which a grant rests.
     """
@@ -215,8 +214,7 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
-        """Returns the first of these edges, up to the edge for which the robot lacks more than
-        claims.
+        """Returns the first of these edges, as long as the robot lacks nothing but claims for them.
         """
         return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
                               self._asked(robot, edges)))
@@ -369,8 +367,7 @@ class Interlocking:
         if not self.claims.needs.has_devices:
             return False
         self._refresh()
-        # Since its last report, the robot may have left a device. This order could lead it back
-        # there.
+        # The robot may have left a device since its report. This order could lead it back.
         return self._kept_out(robot, robot.master.protocol.shown, may_leave=False) is not None
 
     def forget(self, name: str) -> None:
@@ -409,8 +406,7 @@ class Interlocking:
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
     def without_room(self, robot: InterlockedRobot, kind: RobotType) -> str:
-        """Returns the name of another robot that is too near to this robot if it becomes another
-        type.
+        """Returns the name of a robot that would be too near if this robot became another type.
 
         Empty: there is none. In that case, robots whose stored allocations are too near must be
         stored, as after a grant.
@@ -427,24 +423,21 @@ class Interlocking:
         return ''
 
     def _near_to(self, name: str, own: Allocation, kind: RobotType) -> Iterator[str]:
-        """Yields the robots whose allocations would exclude `own` if its robot had the type `kind`.
-        """
+        """Yields robots whose allocations would exclude `own` if its robot had the type `kind`."""
         for held in self._holds.places(name):
             yield from self._holders(name, kind, held)
         for area in own.areas:
             yield from self._in_area(name, kind, area)
 
     def separate(self, is_starting: bool = False) -> List[str]:
-        """Stops the robots that exclude each other after a change of an allocation. Returns their
-        names.
+        """Stops robots that exclude each other after an allocation changed. Returns their names.
 
         Nearly every report only removes places from an allocation. Then the robot excludes no
         further robot. So it is compared again only if it excluded another one before.
 
-        Grants never bring two robots too near to each other. Evidence can bring them too near, and
-        so can a robot that drives its route again. In the second case a robot that has nothing to
-        drive is not stopped, because it is granted nothing meanwhile. A robot that needs a person
-        is stopped already.
+        Grants never bring two robots too near to each other. Evidence can, and a robot that drives
+        its route again can. In the second case a robot with nothing to drive is not stopped,
+        because it is granted nothing meanwhile. A robot that needs a person is stopped already.
 
         is_starting -- robots that have not reported yet are left out: their places are known only
                        roughly
@@ -649,8 +642,7 @@ GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _does_not_work,
     _clock_is_right, _robot_is_known, _others_are_known, _last_order_is_settled,
     _robot_is_clear_of_others)
-"""A robot must meet all these conditions before it is granted anything, even an edge that it holds.
-"""
+"""A robot must meet all of these before it is granted anything, even an edge that it holds."""
 
 LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)

@@ -1,5 +1,4 @@
-"""The reports of robots about their routes, as in the route protocol, and a check of these reports.
-"""
+"""The reports of robots about their routes, as in the route protocol, and their check."""
 from __future__ import annotations
 
 import math
@@ -27,8 +26,7 @@ class Pose:
 
 
 def distance(graph: Graph, one: Pose, other: Pose) -> float:
-    """Returns the distance (m) between two poses: along their common edge, or straight if they have
-    none.
+    """Returns the distance (m) between two poses: along their common edge, or else straight.
 
     Infinite if a pose is off the graph.
     """

@@ -115,8 +115,7 @@ class Needs:
         return self._inside(edge) | self.of_vertex(self._ends(edge)[1])
 
     def _covers_start(self, edge: int, reach: float) -> float:
-        """Returns the fraction of a signed edge up to which a robot still covers the start of the
-        edge.
+        """Returns the fraction of a signed edge up to which a robot still covers the edge's start.
         """
         known = self._covered.get((edge, reach))
         if known is None:

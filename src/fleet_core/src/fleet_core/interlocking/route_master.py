@@ -130,8 +130,7 @@ class Heard:
 
     news    -- what the report changes about the orders
     passed  -- vertices passed since the last report, in order
-    cause   -- why a new epoch of the robot began; None: no new epoch began, or no epoch was known
-               before
+    cause   -- why a new epoch of the robot began; None: none began, or none was known before
     had_route -- the robot had a route before, or an order for a route was on its way
     is_off_graph -- this report and the one before say that the robot is off the graph
     left    -- the robot stands, but not where it may be according to its orders
@@ -226,8 +225,7 @@ class RouteMaster:
     def is_ready(self) -> bool:
         """Whether the robot may be given a route now.
 
-        If it stands at another place than expected, its next location must first confirm this
-        place.
+        If it stands at an unexpected place, its next location must first confirm this place.
         """
         return self.protocol.is_ready and not self.has_lost_places and not (
             self._strays and self.record.is_standing)
@@ -251,9 +249,8 @@ class RouteMaster:
     def needs_stop(self) -> bool:
         """Whether the robot must be stopped before it can be given a route.
 
-        This is so if its reports do not count the orders of this fleet manager yet. It is also so
-        if the journal is an older one: orders that are not in this journal may still reach the
-        robot.
+        True if its reports do not count the orders of this fleet manager yet. Also true after an
+        older journal: orders that are not in this journal may still reach the robot.
         """
         protocol = self.protocol
         return (not protocol.commands or bool(protocol.unknown)) and (
@@ -386,8 +383,8 @@ class RouteMaster:
         return True
 
     def end_after(self, edges: int) -> bool:
-        """Lets the robot drive only the first `edges` of the edges ahead. Returns whether its
-        orders change.
+        """Lets the robot drive only so many (`edges`) of the edges ahead. Returns whether orders
+        change.
 
         Routes that never left this program are withdrawn. If other orders give the robot more
         edges, it is sent a shorter route, or a stop if no edge is left. If the robot has refused
@@ -628,8 +625,7 @@ class RouteMaster:
     def _stored_locations(self) -> Tuple[Located, ...]:
         """The locations that matter after a restart.
 
-        While another giver moves the robot, the stored locations change only when it enters another
-        square.
+        While another giver moves the robot, they change only if it enters another square.
         """
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
@@ -720,8 +716,8 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence if the location of this report is newer than the begin of the absence.
-        Returns whether it ended.
+        """Ends the absence if the report's location is newer than its begin. Returns whether it
+        did.
         """
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):

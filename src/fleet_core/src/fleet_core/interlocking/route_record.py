@@ -64,8 +64,7 @@ class RouteRecord:
 
     @property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges that the robot has not driven to their ends yet; it drives the first one now.
-        """
+        """The edges that are not driven to their ends yet; the robot is driving the first one."""
         return self.protocol.ahead
 
     @property
@@ -169,15 +168,14 @@ class RouteRecord:
         self.cleared = (self.done, 0.0)
 
     def begin_anew(self) -> None:
-        """Notes that the robot lost its route, or that another giver moved it. No plan fits any
+        """Notes that the robot lost its route, or was moved by another giver. No plan fits any
         more.
         """
         self.generation += 1
         self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """Notes that the robot has driven these edges, the last ones before the edge that it drives
-        now.
+        """Notes that the robot has driven these edges, which come just before its present edge.
 
         Returns the ids of the vertices at their ends, in order.
         """
@@ -190,9 +188,7 @@ class RouteRecord:
         return vertices
 
     def leave(self, age: float) -> None:
-        """Computes from the robot's pose, which is `age` s old, what certainly lies behind the
-        robot.
-        """
+        """Computes what certainly lies behind the robot. Its pose is `age` s old."""
         ahead = self.ahead
         if not ahead or self.pose.edge != ahead[0]:
             return

@@ -42,8 +42,8 @@ class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
     The searches read the attributes in their inner loops, so all values are computed before a
-    search begins. The slow ones are computed only at their first use, because a robot that keeps
-    its plan needs none.
+    search begins. The tables are computed at first use, because a robot that keeps its plan needs
+    none.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to
@@ -103,8 +103,7 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex to the leg's destination and on to all later
-        ones.
+        """For each leg, the seconds from each vertex over the leg's destination and all later ones.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
@@ -118,9 +117,7 @@ class PathQuery:
 
     @cached_property
     def lower_bound(self) -> float:
-        """The lowest cost of the robot without traffic; infinite: a destination or all rests are
-        unreachable.
-        """
+        """The lowest cost of the robot without traffic; infinite: it has no path."""
         bound = self.ready
         if self.legs:
             bound += self._beyond[0] + self.seconds_to(self._paths[0])

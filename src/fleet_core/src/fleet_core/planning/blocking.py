@@ -108,7 +108,7 @@ class Blocking:
         return other in self.excluded(place)
 
     def wait(self, place: int) -> Iterator[Tuple[int, float]]:
-        """Returns each (slot, lead) that a robot blocks while it is at a place: a vertex or an
+        """Returns each (slot, lead) that a robot blocks while it is at `place`, a vertex or an
         edge.
         """
         rows, slots, leads, _ = self._blocks
@@ -116,8 +116,7 @@ class Blocking:
         return zip(slots[row], leads[row])
 
     def rest(self, drive: int, begun: float) -> List[int]:
-        """Returns the places that an observer may not hold while the last part of a drive, from the
-        fraction `begun`, is driven.
+        """Returns the places that an observer may not hold while a drive is driven on from `begun`.
         """
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
@@ -141,9 +140,7 @@ class Blocking:
         return blocked
 
     def prepare(self) -> None:
-        """Computes in advance the tables that `drive`, `edges` and `wait` would compute at their
-        first use.
-        """
+        """Computes the tables that `drive`, `edges` and `wait` otherwise compute at first use."""
         _ = self._blocks, self._edge_blocks
 
     @cached_property
@@ -160,8 +157,7 @@ class Blocking:
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # A pair with an edge makes two blocks, one for each direction. A pair with a vertex makes
-        # one.
+        # A pair with an edge makes two blocks: one for each direction. A pair with a vertex: one.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

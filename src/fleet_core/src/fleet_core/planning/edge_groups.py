@@ -3,10 +3,9 @@
 Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
 that exclude each other. The two plans are a path through this picture that passes each mark on one
 side. Marks that touch each other, also at a corner, form a *group*. One order holds for all marks
-of a group, whether the robots drive through the group in the same direction or in opposite
-directions. The path may pass the group on its other side instead, except if one of the robots was
-granted a drive in the group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI
-2025).
+of a group, whether the robots drive through it in the same direction or not. The path may pass the
+group on its other side instead, except if one of the robots was granted a drive in the group,
+stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
 
@@ -217,9 +216,7 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns, for each group, the marks whose conditions do not follow from marks of earlier
-    drives.
-    """
+    """Returns for each group the marks whose conditions do not follow from earlier drives."""
     if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

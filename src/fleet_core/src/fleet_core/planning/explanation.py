@@ -33,9 +33,7 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Returns why an agent has no path even without traffic. The text names the vertex that is out
-    of reach.
-    """
+    """Returns why an agent has no path even without traffic. The reason names a vertex."""
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
@@ -186,8 +184,7 @@ def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePositi
            ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
     """Returns the vertices to which a robot between two vertices may drive, with their costs.
 
-    The second value has, for each of these vertices, the robots that stand for ever on the way to
-    the vertex.
+    The second value has, for each vertex, the robots that stand for ever on the way to it.
     """
     costs: Dict[int, float] = {}
     standing: Dict[int, Dict[str, None]] = {}

@@ -3,8 +3,7 @@
 If planning one robot after the other fails, this search moves all robots step by step (Okumura,
 LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023). It searches
 configurations depth first. For the next configuration, robots choose their moves in the order of
-their priorities. If the search reaches a configuration again, it forces single robots to make other
-moves.
+their priorities. If a configuration is reached again, single robots are forced to move otherwise.
 
 In a step each robot stays or drives one edge. No robot enters a place that another robot leaves in
 the same step: otherwise robots could wait for each other in a ring. So no two moves of a step

@@ -51,9 +51,7 @@ class LargeNeighbourhoodSearch:
         self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """Returns the cost of the booked path minus the lowest cost that the robot has without
-        traffic.
-        """
+        """Returns the cost of the booked path minus the robot's lowest cost without traffic."""
         return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
@@ -78,8 +76,8 @@ class LargeNeighbourhoodSearch:
                 best, self.paths = cost, dict(self._now)
 
     def _try(self, names: Sequence[str], more: float, deadline: float) -> float:
-        """Plans these robots together again. The new paths may cost at most `more` than the old
-        ones. Returns the gain.
+        """Plans these robots together again, at a cost of at most `more` above the old one. Returns
+        the gain.
         """
         group = shuffled((self._all[name] for name in names), self._random)
         before = sum(self._now[name].cost for name in names)

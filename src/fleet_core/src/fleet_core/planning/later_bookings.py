@@ -62,8 +62,8 @@ Times = Tuple[Tuple[float, float], ...]
 """Begin and end of a booking; empty: there is none."""
 
 _Part = Tuple[int, int, float, float]
-"""The number of a robot in the order of booking, the step of its plan (even: a wait, odd: a drive),
-and the begin and the end of the step.
+"""The number of a robot in the order of booking; a step of its plan (even: a wait, odd: a drive);
+begin and end of the step.
 """
 
 
@@ -109,9 +109,7 @@ class LaterBookings:
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns all slots that a robot blocks for an observer, and perhaps some that it does not
-        block.
-        """
+        """Returns slots for an observer: all that a robot blocks, and perhaps some others."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}

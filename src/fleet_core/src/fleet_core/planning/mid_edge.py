@@ -25,8 +25,8 @@ class MidEdgePosition(NamedTuple):
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
     def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
-        """Returns the drives by which the robot may leave: (drive, vertex at its end, seconds to
-        the end).
+        """Returns each drive by which it may leave: (drive, vertex at its end, seconds to this
+        end).
 
         Closed edges and drives into docks are included.
         """

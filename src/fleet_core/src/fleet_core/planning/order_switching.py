@@ -30,13 +30,11 @@ class RemainingDrives(NamedTuple):
     """The remaining drives of a robot and their times, in s from now.
 
     first   -- number of the first of these drives in its plan
-    begins  -- when the first drive begins if no other robot holds this robot up; below 0: it has
-               begun
+    begins  -- when the first drive begins without delay by others; below 0: it has begun
     seconds -- of each drive
     pauses  -- the minimum stay before each drive
     planned -- when each drive begins according to the plan in force
-    done    -- number of the first drive after the errand of the robot; None: the robot has no
-               errand
+    done    -- number of the first drive after the robot's errand; None: it has no errand
     """
 
     first: int
@@ -192,9 +190,7 @@ class _Orders:
         return None if open_nodes else times
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
-        """Returns the times, as far as they are known, and the nodes that wait for ever because of
-        a ring.
-        """
+        """Returns the times, as far as they are known, and the nodes that a ring keeps waiting."""
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
         side = [False] * (len(self._groups) + 1)  # the last entry stands for no group

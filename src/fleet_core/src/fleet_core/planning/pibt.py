@@ -186,8 +186,8 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """Chooses the move of a robot: towards the end of its leg, or to stay if that is
-        impossible.
+        """Chooses the move of a robot: towards the end of its leg or, if that is impossible, to
+        stay.
         """
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]

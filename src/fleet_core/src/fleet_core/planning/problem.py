@@ -168,8 +168,7 @@ class Problem:
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
-        """Returns whether `one` is too near to `other`, which stands at a point between two
-        vertices.
+        """Returns whether `one` is too near to `other`, which stands between two vertices.
 
         True if `other` is not between vertices: then the places of both have been compared already.
         """

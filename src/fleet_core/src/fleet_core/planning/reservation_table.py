@@ -177,8 +177,7 @@ class ReservationTable:
                 slots.take_out(slot, gone)
 
     def take_out(self, robots: Sequence[str]) -> TakenOut:
-        """Removes the bookings of several robots in such a way that `put_back` can restore them
-        quickly.
+        """Removes the bookings of several robots. `put_back` can restore them quickly.
 
         All these robots must be booked.
         """

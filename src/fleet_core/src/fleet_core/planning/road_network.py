@@ -28,8 +28,7 @@ Roads = List[List[Tuple[int, int, float]]]
 def estimated(seconds: np.ndarray) -> Sequence[float]:
     """Returns the seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
-    So if several paths are equally good, a search first follows the path that is nearest to its
-    end.
+    So among equally good paths, a search first follows the path that is nearest to its end.
     """
     return array('d', (seconds * _GUIDED).tobytes())
 
