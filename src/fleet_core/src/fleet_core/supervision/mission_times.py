@@ -1,6 +1,6 @@
 """Missions with an earliest time or a deadline: when they begin, expire, or count as late.
 
-The times are moments (s since 1970), so they do not move if the clock is set. If the clock is set
+The times are moments (s since 1970), so they stay the same if the clock is set. If the clock is set
 back, a mission that has begun or expired stays in that state.
 """
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import Callable, Iterator
 from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
 
-NEAR = 10.0    # s before its deadline: a mission that is not expected to end by then is at risk
-AGAIN = 30.0   # s before its deadline: a mission at risk is in time again if it will end by then
+NEAR = 10.0    # s before its deadline: if a mission will end later than that, it is at risk
+AGAIN = 30.0   # s before its deadline: if a mission at risk will end earlier, it is in time again
 PERIOD = 1.0   # s between two estimates
 
 
@@ -46,7 +46,7 @@ class MissionTimes:
     def until_earliest(self, mission: Mission) -> float:
         """Returns the seconds until the earliest time of a mission.
 
-        0: it has come, or there is none.
+        0: this time has come, or the mission has none.
         """
         return max(mission.request.earliest - self._clock() / 1000.0, 0.0)
 
