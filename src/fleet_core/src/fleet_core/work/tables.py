@@ -47,7 +47,7 @@ class StopState(Enum):
 
     @property
     def is_final(self) -> bool:
-        """Whether the stop is behind the robot, made or not made."""
+        """Whether the stop has ended, whether the robot made it or not."""
         return self in (StopState.DONE, StopState.FAILED, StopState.SKIPPED)
 
 
