@@ -155,8 +155,9 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
 
     The order is fixed if
 
-    - one of the drives is released, - the robot that goes first already stands in the way of the
-    other robot, or - the other robot would end in the way of the first robot.
+    - one of the drives is released,
+    - the robot that goes first already stands in the way of the other robot, or
+    - the other robot would end in the way of the first robot.
     """
     first, then = marks.first, marks.then
     fixed = drives.released[first] | drives.released[then] | drives.is_between[first]

@@ -3,8 +3,8 @@
 A set of parking vertices is *well-formed* if two conditions hold while a robot stands on each of
 them (Cap et al., arXiv 1501.07704):
 
-- The rest of the graph is still connected. - Each of these robots can leave its vertex and come
-back.
+- The rest of the graph is still connected.
+- Each of these robots can leave its vertex and come back.
 
 Then robots can always move, in all missions. A vertex that the graph forbids as parking, such as
 one between two sections of an edge, may be cut off. If closed edges divide the graph into parts

@@ -5,11 +5,11 @@ change of the type is like a grant: the robot's allocation with the new radius m
 allocation of any other robot.
 
 - If a robot takes a load at its next stop, it gets a type with room for the load. It gets the type
-as soon as no other robot is in the way, usually long before it reaches the stop. So the planner
-takes the room into account, and leads other robots away. - The step that takes the load does not
-begin before the robot has this type. - A load that a robot carries, or may carry, counts at once,
-even if only a person says so. If other robots are too near then, the interlocking grants them
-nothing, as after any evidence.
+  as soon as no other robot is in the way, usually long before it reaches the stop. So the planner
+  takes the room into account, and leads other robots away.
+- The step that takes the load does not begin before the robot has this type.
+- A load that a robot carries, or may carry, counts at once, even if only a person says so. If other
+  robots are too near then, the interlocking grants them nothing, as after any evidence.
 """
 from __future__ import annotations
 

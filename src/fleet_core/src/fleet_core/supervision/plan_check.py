@@ -2,8 +2,9 @@
 
 An answer is a message that any program can send. It is used only if
 
-- each robot, edge and drive in it exists, - the drives of a robot follow each other and begin at
-its place, and - no robots wait for each other for ever.
+- each robot, edge and drive in it exists,
+- the drives of a robot follow each other and begin at its place, and
+- no robots wait for each other for ever.
 
 The interlocking decides whether two robots may be at the places of the plan.
 """

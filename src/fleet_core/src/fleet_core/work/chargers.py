@@ -23,12 +23,14 @@ it claims a door (`interlocking.claims`).
 Invariants, for each state after any events (`test_chargers.py`):
 
 - No two robots have a turn for the same place. No robot has a turn for a place in which another one
-stays. - The robots with a turn for a charger and the other robots that stay in it do not exceed its
-capacity, unless the robots that stay exceed it already. - While a place is free and its charger has
-room, no robot that needs to charge and may use the place waits. - No robot that needs to charge
-waits for a place for which a robot that tops up has a turn. - A robot keeps its turn until it may
-leave the charger, another robot stays in the place or claims the charger, or the place does not
-suit the robot any more.
+  stays.
+- The robots with a turn for a charger and the other robots that stay in it do not exceed its
+  capacity, unless the robots that stay exceed it already.
+- While a place is free and its charger has room, no robot that needs to charge and may use the
+  place waits.
+- No robot that needs to charge waits for a place for which a robot that tops up has a turn.
+- A robot keeps its turn until it may leave the charger, another robot stays in the place or claims
+  the charger, or the place does not suit the robot any more.
 """
 from __future__ import annotations
 

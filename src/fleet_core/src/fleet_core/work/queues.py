@@ -29,11 +29,12 @@ claim have their turns, and robots at queue places have arrived, in the order of
 Invariants, for each state after any events (`test_queues.py`):
 
 - The robots with a turn and the other robots that claim the station do not exceed its capacity,
-unless the robots that claim it exceed it already. - No two robots have the same target. No robot
-has a turn for a place where another one stands. - A queue place is not used while a queue place
-before it is free. - The order of the robots that have arrived never changes. While one of them
-waits, no robot behind it gets a turn, except for a place that does not suit the waiting robot. -
-While a place is free and the station has room, no robot that may use the place waits.
+  unless the robots that claim it exceed it already.
+- No two robots have the same target. No robot has a turn for a place where another one stands.
+- A queue place is not used while a queue place before it is free.
+- The order of the robots that have arrived never changes. While one of them waits, no robot behind
+  it gets a turn, except for a place that does not suit the waiting robot.
+- While a place is free and the station has room, no robot that may use the place waits.
 """
 from __future__ import annotations
 
