@@ -33,7 +33,7 @@ MANY = settings(max_examples=max(1, settings.default.max_examples // (4 if WHOLE
 
 @dataclass
 class Moment:
-    """A fleet that drives by a plan; some robots are late."""
+    """A fleet that drives according to a plan; some robots are late."""
 
     network: RoadNetwork
     clearance: float
@@ -80,8 +80,7 @@ class Moment:
         return edge_groups(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
-        """The plan in the form of the checker: past drives in the old order, later ones in `order`.
-        """
+        """The plan as the checker reads it: past drives in the old order, later ones in `order`."""
         progress = self.progress
         robots = {}
         for name, planned in self.outcome.drives.items():
@@ -276,7 +275,7 @@ def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
-    """Half of fifty robots are late, each at a place where the plan lets it go first."""
+    """Of fifty robots, half are late; the plan lets each late robot go first at some place."""
     courses, found = {}, []
     for k in range(25):
         late, other = f'late{k}', f'other{k}'

@@ -1,7 +1,7 @@
-"""The planner as a service: its answer depends only on the request, and comes in time.
+"""The planner as a service: its answer depends only on the request, and arrives in time.
 
-The searches look at the clock. The work after them takes a time that grows no faster than the plan.
-The tests measure CPU time, with a generous factor, because machines can be busy.
+The searches look at the clock. The time for the work after the searches grows no faster than the
+plan. The tests measure CPU time, with a generous factor, because machines can be busy.
 """
 from __future__ import annotations
 

@@ -1170,7 +1170,7 @@ class Yard:
         return state
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
-        """Visits all states within the bounds, near ones first, until a state violates a property.
+        """Visits all states within the bounds, near ones first, until a property is violated.
 
         most -- the search ends after this number of states
         live -- LIVE is checked, too, which takes several times as long

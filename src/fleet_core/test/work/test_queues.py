@@ -14,7 +14,7 @@ LIVES = 60 if is_whole(__file__) else 20
 
 PRESS = Station('press', (18,), (20, 22))
 SHELVES = Station('shelves', (39, 42), (50,), 2, StationKind.GROUP)
-AWAY = 99  # any vertex elsewhere
+AWAY = 99  # a vertex outside the station
 
 
 def waiter(robot: str, places: Tuple[int, ...] = (18,), rank: int = 0,
@@ -192,7 +192,7 @@ class Yard:
             return
         if target in self.station.places and name not in self.inside:
             return
-        if self.at[name] is not None:  # it leaves a queue place, or a place of the station
+        if self.at[name] is not None:  # it leaves a queue place or a place of the station
             self.at[name] = None
         elif target not in self.at.values():
             self.at[name] = target
