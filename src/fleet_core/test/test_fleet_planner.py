@@ -66,7 +66,9 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All drives that wait for no other robot are released, and all robots get new destinations."""
+    """First all drives that wait for no other robot are released. Then all robots get new
+    destinations.
+    """
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))

@@ -226,8 +226,9 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
 
 @pytest.fixture
 def plan_until(monkeypatch):
-    """A function that plans for robots, each in its own row of vertices. The time ends during the
-    search with the number `last`, which finds nothing."""
+    """A function that plans for robots, each in its own row of vertices. The time ends during
+    search number `last`, so that this search finds nothing.
+    """
     def plan(count, last, *tasks):
         late, planned, now = [0.0], [], time.monotonic
 

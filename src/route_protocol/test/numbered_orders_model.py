@@ -350,7 +350,9 @@ class Model:
         return where_it_is(master)
 
     def new_orders(self, state: State, bounds: Bounds) -> Iterator[Tuple[str, Order, int]]:
-        """Yields what the master may order now: the kind, the order, and how many new edges."""
+        """Yields what the master may order now: the kind, the order, and the number of new edges in
+        it.
+        """
         master = state.master
         number = self._next_number(master, state.drawn)
         end = self.end(master)

@@ -226,7 +226,9 @@ class DoorYard(Yard):
         return tuple(self._views[self._view[id]].allocated for id in ids)
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
-        """A robot after orders were sent, with a flaw if the door is not ready for a new edge."""
+        """A robot after its order was sent, with a flaw if the order leads into the door while the
+        door is not ready.
+        """
         if sent == id:
             return sent
         before, after = self._sides[id], self._sides[sent]

@@ -123,8 +123,9 @@ MOTIONS = {
     Motion.UNKNOWN: values.Motion.UNKNOWN}
 
 Step = Tuple[str, int, int, int, int]
-"""An event, the state after it, the numbers of faults and of acts that it counts for, and the flags
-of its consequences (HEARD and so on)."""
+"""An event, the state after it, the numbers of faults and of acts in this event, and the flags of
+its consequences (HEARD and so on).
+"""
 Point = Tuple[float, float]
 Piece = Tuple[Point, Point, float]
 """All points within a radius of a straight line."""

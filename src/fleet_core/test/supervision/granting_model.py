@@ -361,7 +361,8 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: each drive waits for the last drive of each robot in its way.
+        """The constraints of a row: each drive waits for the last drive of each robot that is in
+        its way.
         """
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]

@@ -139,7 +139,8 @@ def test_robots_that_go_to_one_place_of_a_station_need_the_queue_although_anothe
 class Yard:
     """Robots that come to a station, work and leave, in a random order of events.
 
-    The yard has no roads: a robot arrives where it is sent at a random time, if the place is free.
+    The yard has no roads: a robot is sent to a place, and arrives there at a random time if the
+    place is free.
     """
 
     def __init__(self, station: Station, seed: int, robots: int) -> None:

@@ -16,7 +16,8 @@ LARGEST_RECORD_NUMBER = 2 ** 32 - 1
 
 @dataclass(frozen=True)
 class RouteOrder:
-    """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop.
+    """An order to drive `edges` (signed ids) in the given sequence; without edges: an order to
+    stop.
 
     route_id    -- a label of the route for people; if a master does not number its orders, the
                    label distinguishes its routes

@@ -80,7 +80,9 @@ OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
 SKIPPED_REPORTS = 60_000
-"""How many report numbers a restart skips (1 min in ms): the last numbers may not be stored."""
+"""How many report numbers a restart skips (1 min in ms), because the last numbers may not be
+stored.
+"""
 
 
 def draw_epoch() -> int:

@@ -36,7 +36,7 @@ class Approach(NamedTuple):
 
 
 class Conflicts(NamedTuple):
-    """For each place the places that exclude it at one distance, as rows of a CSR matrix.
+    """For each place, the places that exclude it at one distance, as rows of a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
     fractions of edge p, driven forward or backward, after which `other` is free again. If `other`
@@ -225,7 +225,9 @@ class _Pairs:
             self._new.append((place, other, low, high))
 
     def merge(self) -> None:
-        """Sorts the pairs, with one entry for each pair: a part that covers all its added parts."""
+        """Sorts the pairs, and leaves one entry for each pair. Its part covers all parts that were
+        added for the pair.
+        """
         columns = [(self.place, self.other, self.low, self.high), *self._new]
         place, other, low, high = map(np.concatenate, zip(*columns))
         self._new = []

@@ -179,7 +179,7 @@ class Interlocking:
     # -- grants -----------------------------------------------------------------------------------
 
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
-        """Grants the robot as many of these edges as it may have now, from the first on.
+        """Grants the first of these edges: as many as the robot may have now.
 
         If a robot only lacks claims for an edge, it claims what the edge needs, and may have the
         edge later. Claims that it wanted for other edges end.
@@ -214,7 +214,8 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
-        """Returns the first of these edges, as long as the robot lacks nothing but claims for them.
+        """Returns the first of these edges, up to the edge for which the robot lacks more than
+        claims.
         """
         return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
                               self._asked(robot, edges)))
@@ -435,9 +436,10 @@ class Interlocking:
         Nearly every report only removes places from an allocation. Then the robot excludes no
         further robot. So it is compared again only if it excluded another one before.
 
-        Grants never bring two robots too near to each other. Evidence can, and a robot that drives
-        its route again can. In the second case a robot with nothing to drive is not stopped,
-        because it is granted nothing meanwhile. A robot that needs a person is stopped already.
+        Grants never bring two robots too near to each other. Evidence can do so, and a robot that
+        drives its route again can, too. In the second case a robot with nothing to drive is not
+        stopped, because it is granted nothing meanwhile. A robot that needs a person is stopped
+        already.
 
         is_starting -- robots that have not reported yet are left out: their places are known only
                        roughly

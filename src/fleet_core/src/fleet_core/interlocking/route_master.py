@@ -59,7 +59,7 @@ MANUAL_REACH = 10.0
 BESIDE = NEAR + TREMBLE
 # These values count while another giver moves a robot.
 _STEP = 0.5   # m: the area around the robot grows in steps of this size
-_SOON = 0.2   # s: before these have passed, the area grows again; ticks come more often
+_SOON = 0.2   # s: the area allows for this much more time; ticks come more often
 _SQUARE = 1.0  # m: a location is stored when the robot enters another square of this size
 
 Clock = Callable[[], int]
@@ -249,8 +249,8 @@ class RouteMaster:
     def needs_stop(self) -> bool:
         """Whether the robot must be stopped before it can be given a route.
 
-        True if its reports do not count the orders of this fleet manager yet. Also true after an
-        older journal: orders that are not in this journal may still reach the robot.
+        True if its reports do not count the orders of this fleet manager yet. Also true if the
+        journal is an older one: orders that are not in this journal may still reach the robot.
         """
         protocol = self.protocol
         return (not protocol.commands or bool(protocol.unknown)) and (
@@ -383,7 +383,7 @@ class RouteMaster:
         return True
 
     def end_after(self, edges: int) -> bool:
-        """Lets the robot drive only so many (`edges`) of the edges ahead. Returns whether orders
+        """Limits the route to the first `edges` of the edges ahead. Returns whether the orders
         change.
 
         Routes that never left this program are withdrawn. If other orders give the robot more
@@ -716,9 +716,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence if the report's location is newer than its begin. Returns whether it
-        did.
-        """
+        """Ends the absence if this location is newer than the absence. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

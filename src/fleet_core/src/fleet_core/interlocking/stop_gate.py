@@ -35,7 +35,8 @@ class StopGate:
             self._is_closed = True
 
     def open(self, ticket: int) -> bool:
-        """Opens the gate, unless a stop has followed the ticket. Returns whether the gate opened.
+        """Opens the gate, unless there was a stop after this ticket. Returns whether the gate
+        opened.
         """
         with self._lock:
             if ticket != self._stops:

@@ -116,7 +116,8 @@ class Blocking:
         return zip(slots[row], leads[row])
 
     def rest(self, drive: int, begun: float) -> List[int]:
-        """Returns the places that an observer may not hold while a drive is driven on from `begun`.
+        """Returns the places that an observer may not hold while the part of a drive after the
+        fraction `begun` is driven.
         """
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
@@ -157,7 +158,8 @@ class Blocking:
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # A pair with an edge makes two blocks: one for each direction. A pair with a vertex: one.
+        # A pair with an edge makes two blocks, one for each direction. A pair with a vertex makes
+        # one block.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

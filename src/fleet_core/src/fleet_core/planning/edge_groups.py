@@ -217,7 +217,9 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns for each group the marks whose conditions do not follow from earlier drives."""
+    """Returns for each group the marks whose conditions do not follow from the marks of earlier
+    drives.
+    """
     if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

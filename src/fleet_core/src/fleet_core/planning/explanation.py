@@ -33,7 +33,9 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Returns why an agent has no path even without traffic. The reason names a vertex."""
+    """Returns why an agent has no path even without traffic. The reason names a vertex that is out
+    of reach.
+    """
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])

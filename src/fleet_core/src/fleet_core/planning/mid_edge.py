@@ -28,7 +28,7 @@ class MidEdgePosition(NamedTuple):
         """Returns each drive by which it may leave: (drive, vertex at its end, seconds to this
         end).
 
-        Closed edges and drives into docks are included.
+        Drives on closed edges and into docks are included.
         """
         times = network.times(kind)
         return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))

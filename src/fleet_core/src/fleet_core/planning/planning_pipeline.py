@@ -30,8 +30,8 @@ from fleet_core.planning.schedule import schedule
 from fleet_core.planning.tasks import Obstacle, PlanningOutcome, Task
 from fleet_core.planning.tea_star import Path, Paths, TeaStar, by_length, is_too_late
 
-_ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
-_ROOM_ORDERS = 4  # the same if a robot and the robots in its way are planned
+_ORDERS = 10      # maximum number of orders in which all robots are planned before LaCAM begins
+_ROOM_ORDERS = 4  # maximum number of orders if only a robot and the robots in its way are planned
 _QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
 _TO_EXPLAIN = 0.05  # s after the time limit, for the search for the robots in the way
 # The time that is kept for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
@@ -287,8 +287,8 @@ class PlanningPipeline:
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
-        """Returns the deadline for a search. If another search can follow, it ends after half of
-        the remaining time.
+        """Returns the deadline for a search: half of the remaining time if another search can
+        follow.
         """
         if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
             return deadline

@@ -51,7 +51,7 @@ class _Drives(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """M pairs of drives of different robots: one must be clear before the other one begins."""
+    """M pairs of drives of different robots: `first` must be clear before `then` begins."""
 
     first: np.ndarray     # (M,) index into _Drives
     fraction: np.ndarray  # (M,) of the first drive's arc length, after which it is out of the way
@@ -181,7 +181,9 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
 
 def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives,
            pairs: _Pairs) -> None:
-    """Raises Conflicting if the order may have rings, or if the plans' times violate it."""
+    """Raises Conflicting if the order may have rings, or if the times of the plans do not fit the
+    order.
+    """
     if (pairs.first >= pairs.then).any():
         raise Conflicting('a drive would wait for a drive that comes later in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]

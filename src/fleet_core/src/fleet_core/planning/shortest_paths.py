@@ -131,7 +131,8 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Returns, for each vertex with a descending path to a target, the seconds to the nearest.
+        """Returns, for each vertex with a descending path to a target, the seconds to the nearest
+        target.
 
         Each step of a descending path leads to a vertex that was removed in an earlier round.
         """

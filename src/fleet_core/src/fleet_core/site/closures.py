@@ -53,8 +53,8 @@ class Closures:
     The argument `known` of the methods has the ids of the graph's edges. Other edges are not
     closed. If it is None, there is no graph, and every id is accepted.
 
-    Raises FileError if the file has unknown content. Methods raise OSError if the file cannot be
-    written; then nothing has changed.
+    Raises FileError if the content of the file is not valid. Methods raise OSError if the file
+    cannot be written; then nothing has changed.
     """
 
     def __init__(self, file: Union[str, os.PathLike]) -> None:
@@ -100,7 +100,7 @@ class Closures:
         Raises OutOfDate for a list that is older than the last change.
         """
         said = now if stamp == 0 or stamp > now + _AHEAD else stamp
-        was_set_back = self.stamp > now + _AHEAD  # this computer's clock, since the last change
+        was_set_back = self.stamp > now + _AHEAD  # the clock, after the last change
         if stamp and said <= self.stamp and not was_set_back:
             raise OutOfDate(self.stamp)
         wanted = frozenset(map(abs, edges))

@@ -248,7 +248,7 @@ class ChargerDesk:
 
     def _why_none(self, one: Candidate, turns: Mapping[str, int], stays: List[_Stay],
                   network: RoadNetwork, now: float) -> str:
-        """Returns in words what a robot waits for that must charge but has no turn."""
+        """Returns in words why a robot that must charge has no turn."""
         robot = self._robots[one.robot]
         docks = docks_of(robot, network)
         if not docks:

@@ -11,7 +11,7 @@ from fleet_core.work.devices import StepDevice
 from fleet_core.work.work import Work
 from route_protocol.steps import StepReport
 
-FRESH = 3.0  # s: an older report does not count; a machine reports each second
+FRESH = 3.0  # s after which a report does not count any more; a machine reports each second
 
 
 class MachineState(IntEnum):

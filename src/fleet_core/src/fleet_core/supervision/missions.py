@@ -250,7 +250,8 @@ class Mission:
 
     @property
     def dwell_until(self) -> Optional[float]:
-        """When the robot may leave the destination where it stays; infinite: when it is released.
+        """When the robot may leave the destination where it stays; infinite: when a person or
+        program releases it.
 
         None: it does not stay now.
         """

@@ -24,7 +24,7 @@ from trajectory_graph.drawn_names import edge_name
 PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
 AGAIN = 2.0              # s between two plans while the plan does not serve all robots
 HOLD = 2.0               # maximum number of s for which grants are limited while an answer is due
-HELD_UP = 5.0            # s: if a due edge is refused for a longer time, the plan counts as useless
+HELD_UP = 5.0            # s: if a due edge is refused longer than this, the plan counts as useless
 USELESS = 3              # number of consecutive useless plans after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
 _TIMED = 5               # so many last answers are remembered; the slowest one predicts the next
@@ -261,8 +261,8 @@ class PlanExecutor:
         return GrantGoal(until, robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
-        """Returns the edges that will be due before the planner answers and that robots may have
-        already now.
+        """Returns the edges that robots may have now and that will be due before the planner
+        answers.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         goals: Dict[str, GrantGoal] = {}

@@ -44,7 +44,7 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
               goal: GrantGoal) -> Due:
     """Returns the edges that one robot is to be granted.
 
-    The last one is the first edge that ends farther ahead than the goal demands.
+    At most, these are the edges up to the first one that ends farther ahead than the goal demands.
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []
@@ -64,7 +64,9 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
 
 
 MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
-"""Returns for each robot how many of the given edges, from the first one, all may have at once."""
+"""Takes edges of each robot. Returns the first of these edges: as many as all robots may have at
+the same time.
+"""
 
 
 def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,

@@ -143,7 +143,8 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        # (robot, resource): the robot is where it needs a device that does not report to be open
+        # (robot, resource): the robot is at a place that needs the device of this resource, and the
+        # device does not report to be open
         self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False

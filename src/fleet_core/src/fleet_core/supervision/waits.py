@@ -1,4 +1,6 @@
-"""What a mission or a robot waits for: a code for programs, words for people, and the end."""
+"""What a mission or a robot waits for: a code for programs, words for people, and the time until
+the wait ends.
+"""
 from __future__ import annotations
 
 from enum import IntEnum

@@ -78,12 +78,15 @@ class WorkDesk:
         self._machines = machines
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
-        """Whether a robot may go to this place now. If not, no step begins while the robot is only
-        near the place."""
+        """Whether a robot may go to this place now. If not, no step begins while the robot stands
+        near the place but not at it.
+        """
         self.lacks_room: Callable[[str, AbstractSet[str]], bool] = lambda _name, _loads: False
         """Whether a robot has no room yet to take these types of load."""
         self._strange: Dict[str, FrozenSet[int]] = {}
-        """By robot, keys of running steps that this fleet manager has not ordered for a mission."""
+        """By robot, the keys of running steps that no present mission of this fleet manager has
+        ordered.
+        """
         self._hindered: Dict[str, str] = {}
         """By robot, why the step that is due is not ordered, in words."""
         self._changed: Set[int] = set()
@@ -222,7 +225,8 @@ class WorkDesk:
             self._doubt(name, f'device {device}')
 
     def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
-        """Notes running steps that belong to no mission. Returns whether these steps have changed.
+        """Notes the running steps that belong to no present mission. Returns whether these steps
+        have changed.
 
         Such a step was ordered by another fleet manager, or for a mission that this fleet manager
         has ended or forgotten. So only the first report of a robot can show a new such step.

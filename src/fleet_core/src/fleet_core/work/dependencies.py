@@ -12,7 +12,7 @@ from enum import IntEnum
 class Until(IntEnum):
     """What a mission waits for, as in itrci_nav_msgs/MissionDependency."""
 
-    DONE = 0    # the success of the other mission; if it fails, the waiting mission fails
+    DONE = 0    # the other mission must succeed; otherwise the waiting mission fails
     ENDED = 1   # the end of the other mission
 
 

@@ -45,7 +45,8 @@ class ModbusAddress:
 
 @dataclass(frozen=True)
 class RobotAddress:
-    """The output of a robot that opens a device, and the robot's input that says OPEN.
+    """The output of a robot that opens a device, and the robot's input that says that the device is
+    open.
 
     robot -- the namespace of the robot's nodes
     """

@@ -50,7 +50,7 @@ from fleet_core.work.work import (
 )
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
-GRACE = 10_000  # ms: if a step ends later than this after the command to end, a person is asked
+GRACE = 10_000  # ms after the command to end a step: if it still runs then, a person is asked
 
 
 class StepDecision(IntEnum):
@@ -222,7 +222,7 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 
 
 def passed(situation: Situation, reached: int) -> Situation:
-    """Returns the situation after the robot has reached the first `reached` stops.
+    """Returns the situation after the robot has passed the first `reached` stops.
 
     A stop may be AT_WORK, because it was the last one until others were added. It is then left.
     """
@@ -236,7 +236,7 @@ def passed(situation: Situation, reached: int) -> Situation:
 def follow(situation: Situation, where: Where) -> Situation:
     """Returns the situation after the robot has moved, or steps have ended.
 
-    where -- related to the present stop; the result may have another present stop
+    where -- seen from the stop that is present now; the result may have another present stop
     """
     work = situation.work
     if where.stands:
