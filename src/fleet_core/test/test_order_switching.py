@@ -91,7 +91,7 @@ class Moment:
             robots[name] = [d._asdict() for d in planned[:done]] + new
         ends = [drives[-1]['end'] if drives else 0.0 for drives in robots.values()]
         begun = [one for one in self.outcome.precedence if one.drive < progress[one.then].released]
-        for name, one in progress.items():  # places that all robots have left behind by now
+        for name, one in progress.items():  # constraints for places that this robot has left by now
             done, share = one.cleared if one.cleared[1] else (one.cleared[0] - 1, 1.0)
             begun += [Constraint(name, done, share, other, two.released)
                       for other, two in progress.items()

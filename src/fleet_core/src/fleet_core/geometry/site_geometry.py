@@ -43,7 +43,7 @@ class SiteGeometry:
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
         self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
         self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
-        """The number of each vertex, by its id. This number is also that of its place."""
+        """The number of each vertex, by its id. The place of the vertex has the same number."""
         self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)

@@ -197,7 +197,7 @@ class Conformance:
                       claims: Claims) -> Iterator[Violation]:
         """Yields what is wrong with claims. Only evidence may make claims exceed a capacity.
 
-        The cause is known only if there is a check after each event.
+        Whether evidence was the cause is known only if there is a check after each event.
         """
         for name, robot in robots.items():
             allocation, stored = robot.master.allocation, self._stored.get(name)
@@ -207,8 +207,7 @@ class Conformance:
             new = NOTHING if before is None or self._every > 1 else now - needed - before
             over = frozenset(one for one in new if len(claims.holders(one))
                              > claims.needs.resources[one].capacity)
-            # If a robot's place is unknown since the start, it claims again when its place is
-            # known.
+            # A robot whose place is unknown since the start claims again when its place is known.
             unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
                 self._needs_of(name, stored, claims.needs, True) - claims.stored_of(name))
             for invariant, resources in (

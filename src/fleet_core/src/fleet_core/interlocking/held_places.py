@@ -34,7 +34,7 @@ class HeldPlaces:
         self._at: Dict[RobotType, Dict[int, List[Tuple[str, HeldPlace]]]] = {}
 
     def places(self, name: str) -> Sequence[HeldPlace]:
-        """Returns the places of a robot's edges and vertex, without those of its areas."""
+        """Returns the places of a robot's edges and vertex. The places in its areas are omitted."""
         return self._held.get(name, ())
 
     def _places_of(self, allocation: Allocation) -> List[HeldPlace]:

@@ -1,4 +1,4 @@
-"""Resources: what places need besides room, such as a door that must be open.
+"""Resources: what places need in addition to room, such as a door that must be open.
 
 A door, an air lock, a light, a zone, a station or a charger is a resource. A robot may be in a
 place that needs a resource only with a claim to it (`claims`).
@@ -73,11 +73,11 @@ WHOLE = Rest()
 class Needs:
     """The resources that the places of one graph need.
 
-    An edge also needs what the vertices at its ends need, because a robot on it may stand there.
-    But the rest of an edge does not need the resources of the vertex behind the robot if no part of
-    the robot covers that vertex. So if a person puts a robot down on the edge, it may drive on
-    while another robot claims these resources. If a robot claims them already, it keeps the claim
-    until it has left the edge.
+    An edge also needs what the vertices at its ends need, because a robot on the edge may stand
+    there. But the rest of an edge does not need the resources of the vertex behind the robot if no
+    part of the robot covers that vertex. So if a person puts a robot down on the edge, it may drive
+    on while another robot claims these resources. If a robot claims them already, it keeps the
+    claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:

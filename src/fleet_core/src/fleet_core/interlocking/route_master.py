@@ -315,7 +315,7 @@ class RouteMaster:
         with which the robot stands or follows its edges.
 
         When a robot begins a route, it is as far from the route as it was from the place where it
-        stood. The tolerance on edges allows for this, so a grant adds no place but its edges.
+        stood. The tolerance on edges allows for this, so a grant adds no place except its edges.
 
         position -- where the robot stands; None: it drives, or its place is not known
         """
@@ -687,7 +687,7 @@ class RouteMaster:
         self._changed()
 
     def doubt(self) -> None:
-        """Notes that the restored state is that of an older journal: the robot may be anywhere.
+        """Notes that the restored state is from an older journal: the robot may be anywhere.
 
         An order that is not in the journal may still be on its way. So the doubt ends when the
         robot stands after a stop that is ordered later than this call.

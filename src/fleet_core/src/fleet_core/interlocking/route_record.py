@@ -59,7 +59,7 @@ class RouteRecord:
 
     @property
     def end(self) -> int:
-        """The number after that of the last edge that the robot may drive."""
+        """The number that follows the number of the last edge that the robot may drive."""
         return self.protocol.end
 
     @property

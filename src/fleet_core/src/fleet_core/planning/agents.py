@@ -129,7 +129,7 @@ class PathQuery:
         return bound
 
     def seconds_to(self, path: np.ndarray) -> float:
-        """Returns the seconds from its start to a target, without traffic.
+        """Returns the seconds from the robot's start to a target, without traffic.
 
         path -- the seconds from each vertex to the target
         """
@@ -209,5 +209,5 @@ class Agent(NamedTuple):
     """Its position if it stands between two vertices; then `fixed` is empty."""
 
     def whole(self, plan: Plan) -> Plan:
-        """Returns all drives: the fixed ones and those of the plan."""
+        """Returns all drives: the fixed drives and the drives of the plan."""
         return [*self.fixed, *plan]

@@ -80,7 +80,7 @@ def edge_groups(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
     """Returns all groups of the remaining plans.
 
-    Their constraints are as safe as those of `precedence`.
+    Their constraints are as safe as the constraints of `precedence`.
     """
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:

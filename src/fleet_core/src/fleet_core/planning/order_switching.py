@@ -115,7 +115,7 @@ class _Arc(NamedTuple):
 
 
 class _Orders:
-    """All orders of the groups. The nodes are the beginnings of drives, robot by robot.
+    """All orders of the groups. The nodes are the beginnings of drives, sorted by robot.
 
     Nodes and arcs are kept in lists by number, because each trial walks through all of them.
     """

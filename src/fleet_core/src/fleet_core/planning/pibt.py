@@ -28,8 +28,8 @@ _Neighbours = List[Tuple[RobotType, List[int], List[int]]]
 class PibtAgent:
     """One robot in the search over configurations.
 
-    A robot that begins between two vertices begins at a vertex of its own, numbered after those of
-    the graph. From this vertex only the rest of a drive leads away. No drive leads back to it.
+    A robot that begins between two vertices begins at an extra vertex, numbered after all vertices
+    of the graph. From this vertex only the rest of a drive leads away. No drive leads back to it.
 
     name, kind -- of the robot
     begin      -- its first state: leg * vertices + vertex

@@ -60,8 +60,8 @@ class _Pairs(NamedTuple):
 
 def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
-    """Returns the constraints that keep `plans` safe, without those that follow from other
-    constraints between the same two robots.
+    """Returns the constraints that keep `plans` safe. Constraints that follow from others between
+    the same two robots are omitted.
 
     `released` is the number of first drives of each robot that are released. They need no
     constraint, because all that had to come before them has happened. Raises Conflicting if the
@@ -113,7 +113,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     """Returns pairs for each planned drive of an observer and each moving robot: the last
     conflicting drive of the moving robot before the planned drive.
 
-    The robots are those of the given types.
+    Only robots of the given types count.
     """
     conflicts = reservations.blocking[moving, observer].conflicts
     vertices, count = reservations.network.vertices, len(drives.drive)

@@ -145,8 +145,8 @@ class RoadNetwork:
         return roads
 
     def paths_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
-        """Returns for each target the seconds (V,) to it from each vertex, without traffic; inf: no
-        path.
+        """Returns for each target the seconds (V,) from each vertex to the target, without traffic;
+        inf: no path.
 
         The results are kept, so that repeated targets cost nothing.
         """

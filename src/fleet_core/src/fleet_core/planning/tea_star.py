@@ -24,7 +24,7 @@ PRESENT = 2.0
 """Time for which a robot without a plan is an obstacle, in multiples of its shortest drive."""
 
 
-_TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
+_TO_ANSWER = 5e-6  # s to book a drive of a plan and to put it into the answer
 
 
 class Path(NamedTuple):

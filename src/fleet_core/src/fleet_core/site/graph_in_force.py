@@ -1,7 +1,7 @@
 """The graph in force, and when a file may replace it: never if this changes a running route.
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
-changed meanwhile; the copy is the graph on which they drive.
+changed before; the copy is the graph on which they drive.
 
 States: no graph, or one graph in force. Events: a file is loaded, a robot reports its route.
 Invariants: a graph is put in force only if it is valid, on the disk, and breaks no running route;

@@ -1,6 +1,6 @@
 """Sentences about a survey, for people who draw the graph or run the fleet.
 
-If long edges are cut into sections, the sentences name only the edges and vertices as drawn.
+If long edges are cut into sections, the sentences name only the drawn edges and vertices.
 """
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ def _parking(network: RoadNetwork, fleet: Fleet,
     """Returns the parking vertices for robots of all types together, and the capacity for each type
     alone.
 
-    The parking vertices for all types are those of the largest type, because a smaller robot blocks
+    The parking vertices of the largest type serve for all types, because a smaller robot blocks
     less there.
     """
     anywhere = _anywhere(network, fleet)

@@ -29,7 +29,7 @@ class Assumption(NamedTuple):
 
     generation -- generation of its route record
     base       -- number of the plan's first edge in the route record
-    end        -- number after that of the last granted edge in the route record
+    end        -- the number that follows the last granted edge in the route record
     kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand

@@ -11,7 +11,7 @@ MUTE = 60.0
 
 
 class Battery:
-    """A battery as its robot reports it. Times are those of the supervisor's clock.
+    """A battery as its robot reports it. Times are in s of the supervisor's clock.
 
     charge -- the last reported state of charge, from 0 to 1; NaN: never reported
     """

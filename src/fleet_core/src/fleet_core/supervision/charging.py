@@ -218,7 +218,7 @@ class ChargerDesk:
 
     def _occupancy(self, waiters: Mapping[str, Tuple[int, ...]],
                    inside: Sequence[_Stay]) -> Occupancy:
-        """Returns the robots that go to a charger for a mission, and those that stay in it."""
+        """Returns the robots that go to a charger for a mission, and the robots that stay in it."""
         kept = frozenset(stay.place for stay in inside if stay.place is not None)
         robots = (*waiters, *(stay.robot for stay in inside))
         return Occupancy(robots, tuple(waiters.values()), Others(len(inside), kept, kept),

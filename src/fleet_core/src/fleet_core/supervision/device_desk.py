@@ -54,8 +54,8 @@ class DeviceDesk:
     def report(self, report: DeviceReport, now: float) -> None:
         """Handles a report. A report that is older than an earlier one changes nothing.
 
-        The times in the report are those of the supervisor's clock. If the time of a reading is
-        more than AHEAD s after `now`, a clock is wrong. Then the age of the reading is unknown.
+        The times in the report are in s of the supervisor's clock. If the time of a reading is more
+        than AHEAD s after `now`, a clock is wrong. Then the age of the reading is unknown.
         """
         name = report.device
         resource = self._claims.needs.resources.get(name)
@@ -87,7 +87,7 @@ class DeviceDesk:
         return _OLD
 
     def due(self, now: float) -> List[AskDevice]:
-        """Returns the requests to send now: those that no fresh report shows.
+        """Returns the requests that no fresh report shows; they must be sent now.
 
         While a robot may be anywhere, it may be in a door. So no requests are sent.
         """

@@ -16,7 +16,7 @@ from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.planning.plan_requests import Times
 
-KEPT = 9         # number of last drives of an edge; their median ignores a single long wait
+KEPT = 9         # last drives of an edge that are kept; their median ignores a single long wait
 ENOUGH = 3       # number of drives after which the median replaces the nominal time
 # relative change of a time that justifies a new table, for which planners must prepare again
 WORTH_IT = 0.2

@@ -67,7 +67,7 @@ def row_of(line: HistoryLine, moment: Callable[[float], str]) -> List[str]:
 
 
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
-    """Yields all missions in the history, read page by page. The supervisor may write meanwhile.
+    """Yields all missions in the history, read page by page. The supervisor may still write.
 
     Raises NoJournal if there is no such file, and JournalError if it is no journal.
 

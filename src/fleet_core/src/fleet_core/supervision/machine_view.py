@@ -60,7 +60,7 @@ class _Heard(NamedTuple):
 class MachineReports:
     """The newest report of each machine. `now` is in s of a clock that never steps back.
 
-    machines -- those of the site, by name
+    machines -- the machines of the site, by name
     """
 
     def __init__(self, machines: Mapping[str, StepDevice]) -> None:

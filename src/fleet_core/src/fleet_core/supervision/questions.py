@@ -41,7 +41,7 @@ class Question:
         """Returns the plan in an answer; None: since the question, a robot was granted edges that
         do not fit the plan.
 
-        If a robot's errand has changed meanwhile, the plan still serves all other robots.
+        If a robot's errand has changed since the question, the plan still serves all other robots.
         """
         planned = {task.name for task in self.tasks}
         bases = {name: known.base for name, known in self.assumptions.robots.items()
@@ -63,7 +63,7 @@ class Question:
         return fault_of(outcome, self.tasks, graph)
 
     def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
-        """Returns whether the new plan's order allows all edges that were granted meanwhile."""
+        """Returns whether the plan's order allows all edges granted since the question."""
         records = {name: robot.record for name, robot in world.robots.items()}
         return not any(plan.in_the_way(name, number - own.base, records)
                        for name, own in plan.plans.items()

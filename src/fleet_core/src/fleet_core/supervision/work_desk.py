@@ -333,7 +333,7 @@ class WorkDesk:
     # -- commands of people -----------------------------------------------------------------------
 
     def cancel(self, mission: Mission, reason: str) -> bool:
-        """Cancels a mission if it has steps and a robot. Returns whether it was cancelled."""
+        """Cancels a mission if it has steps and a robot; otherwise returns False."""
         if mission.serial not in self._works or not mission.robot:
             return False
         if mission.state is MissionState.PAUSED:
@@ -342,7 +342,7 @@ class WorkDesk:
         return True
 
     def fail(self, mission: Mission, reason: str) -> bool:
-        """Lets a mission fail, if it has steps and a robot. Returns whether the mission will fail.
+        """Lets a mission fail if it has steps and a robot; otherwise returns False.
 
         The mission has failed when its running steps have ended. Until then its robot stands.
         """

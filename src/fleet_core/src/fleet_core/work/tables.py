@@ -13,7 +13,7 @@ class StepState(Enum):
 
     WAITING = 'waiting'
     RUNNING = 'running'
-    ASK = 'ask'           # a person must decide what follows; no later step begins meanwhile
+    ASK = 'ask'           # a person must decide what follows; until then no later step begins
     DONE = 'done'
     FAILED = 'failed'
     CANCELLED = 'cancelled'

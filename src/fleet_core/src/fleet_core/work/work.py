@@ -158,7 +158,7 @@ class RobotLoad:
         return frozenset((ANY_LOAD,) if self.types is None else self.types)
 
     def with_types(self, types: Iterable[str]) -> RobotLoad:
-        """Returns the same load; the robot may now carry these types as well."""
+        """Returns the same load, but the robot may now carry these types, too."""
         return replace(self, types=tuple(sorted(self.may_be.union(types))))
 
     def is_bound_to(self, serial: int) -> bool:
