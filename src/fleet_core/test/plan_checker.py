@@ -258,7 +258,7 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """What (drive, fraction) robot `other` has at least reached when `name` begins `drive`."""
+        """How far (drive, fraction) robot `other` must have come when `name` begins `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))

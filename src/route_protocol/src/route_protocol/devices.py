@@ -102,8 +102,8 @@ class DeviceReport:
         return use is not None and use.number >= request.number
 
     def is_open_for(self, requester: str, number: int) -> bool:
-        """Returns whether the device was read open after this requester's request
-        with this number was taken.
+        """Returns whether a reading showed OPEN after the request `number` of this requester was
+        taken.
         """
         use = self.use_of(requester)
         return (self.mode is DeviceMode.OPEN and use is not None and use.holds

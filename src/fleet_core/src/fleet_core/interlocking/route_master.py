@@ -297,7 +297,7 @@ class RouteMaster:
 
     @property
     def _locations_elsewhere(self) -> Tuple[Located, ...]:
-        """The locations, of the last two, that are on no place that the robot has.
+        """The last two locations, except those on a place that the robot has.
 
         The older of the two counts only if it was a stray one.
         """

@@ -109,7 +109,7 @@ class LaterBookings:
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns slots for an observer: all that a robot blocks, and perhaps some others."""
+        """Returns all slots that a robot blocks for an observer, and perhaps further slots."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}

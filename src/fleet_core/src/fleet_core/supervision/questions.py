@@ -58,7 +58,7 @@ class Question:
     def fault_of(self, outcome: PlanningOutcome, graph: Graph) -> str:
         """Returns the first fault of an answer; empty: none.
 
-        The planner may still be wrong in other ways.
+        The answer may still have faults that this check does not find.
         """
         return fault_of(outcome, self.tasks, graph)
 

@@ -264,7 +264,7 @@ def _followed(work: Work, where: Where) -> Work:
 def parted(work: Work) -> Work:
     """Returns the work of a mission that its robot does not serve any more.
 
-    None of its steps was ordered, so another robot begins it.
+    None of the mission's steps was ordered, so another robot begins the mission.
     """
     number = work.current
     is_behind = number < len(work.progress) and work.progress[number].state in (

@@ -131,7 +131,7 @@ class WorkStop:
 
 
 def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:
-    """Returns the dwells of the destinations: a robot stays until its work there has ended.
+    """Returns the dwells at the destinations: at each one, a robot stays until its work has ended.
 
     At the last stop it stays until all steps of the mission have ended.
     """
