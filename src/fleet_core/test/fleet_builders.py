@@ -26,7 +26,7 @@ def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple
 
 
 def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0) -> Graph:
-    """Vertices 1 .. length in a row, joined by edges 1 .. length - 1. The siding is vertex 100."""
+    """Vertices 1 .. length in a row, joined by edges 1 .. length - 1; a siding is vertex 100."""
     places: Dict[int, Tuple[float, float]] = {
         k: ((k - 1) * spacing, 0.0) for k in range(1, length + 1)}
     ends = {k: (k, k + 1) for k in range(1, length)}
@@ -92,7 +92,7 @@ def complete(record: RouteRecord, number: int) -> None:
 
 
 def at_place(said: RouteReport, graph: Graph, edge: int, fraction: float) -> RouteReport:
-    """The same report, but from the place at this fraction of this edge."""
+    """The same report, but with a place at this fraction of this edge."""
     x, y = point_of(graph, Pose(edge, fraction))
     return replace(said, pose=SymbolicPose(edge, 100.0 * fraction),
                    location=VehicleLocation(x, y, math.nan))

@@ -1,4 +1,4 @@
-"""Random instances for the planner, each from a seed, and their plans in the form of plan files."""
+"""Random instances for the planner, each made from a seed, and their plans as in plan files."""
 from __future__ import annotations
 
 import math
@@ -22,7 +22,7 @@ GIVE_UP = 0.3  # s of CPU time after which an instance counts as having no solut
 
 
 def plan_in_time(planner, tasks, rounds):
-    """Plans with a limit on CPU time, so that other load on the machine does not matter."""
+    """Plans with a limit on CPU time, so that other load on the computer does not matter."""
     with patch('time.monotonic', time.process_time), \
             patch.object(safe_intervals, 'time_now', time.process_time):
         return planner.plan(tasks, (), time.process_time() + GIVE_UP, rounds)

@@ -2,9 +2,9 @@
 
 The checker computes everything itself: curves from the files of the fleet, lengths by fine
 sampling, distances with Shapely. It assumes that each robot can be arbitrarily late, and compares
-all places that two robots can occupy at the same time under the precedence. For each drive of a
-robot it computes how far the other robots must have come when the drive begins. Then it checks the
-distance to all places that the other robots may still occupy.
+all places that two robots can occupy at the same time if they obey the precedence. For each drive
+of a robot it computes how far the other robots must have come when the drive begins. Then it checks
+the distance to all places that the other robots may still occupy.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 import yaml
 from shapely.geometry import LineString, Point
 
-SAMPLES = 400  # points on a spline: with a radius of 0.3 m, chords are within 0.01 mm of the curve
+SAMPLES = 400  # points on a spline: at a radius of 0.3 m, chords are within 0.01 mm of the curve
 TOLERANCE = 1e-4  # m
 SLACK = 1e-6  # s, and fractions
 
@@ -167,7 +167,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
 
 
 def sum_faults(plan: dict, ends: Sequence[float]) -> List[str]:
-    """Sums in a plan that do not agree with the times at which the robots finish."""
+    """Sums in a plan that do not agree with the times at which its robots finish."""
     found: List[str] = []
     if abs(plan['sum_of_costs'] - sum(ends)) > 1e-6 * (1 + sum(ends)):
         found.append(f'sum_of_costs is {plan["sum_of_costs"]}, not {sum(ends)}')
@@ -207,7 +207,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """For each drive: how far the constraints require the other robots to be when it begins."""
+    """For each drive: how far the other robots must have come when the drive begins."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -258,7 +258,7 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """The least (drive, fraction) that robot `other` has reached when `name` begins `drive`."""
+        """How far (drive, fraction) robot `other` must have come when `name` begins `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))
@@ -306,7 +306,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots that come too near each other although all are on time; checked every `step` s."""
+    """Robots that come too near to each other although all are on time; checked every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []

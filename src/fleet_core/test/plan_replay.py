@@ -75,7 +75,7 @@ def _drive(begin: float, seconds: float, random: Random, begun: float = 0.0) -> 
 
 def replay_faults(world: World, plan: dict, driven: Dict[str, List[Driven]],
                   step: float = 0.1) -> List[str]:
-    """Robots that came too near each other, checked every `step` s."""
+    """Robots that came too near to each other; checked every `step` s."""
     names = list(plan['robots'])
     last = max((d[-1].at[-1] for d in driven.values() if d), default=0.0)
     times = np.arange(0.0, last + step, step)

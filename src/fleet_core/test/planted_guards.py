@@ -1,7 +1,7 @@
 """Faults that the tests of the work at stops must find: each fault leaves one guard out.
 
-For each guard, GUARDS has the object to change, the name of the function that is the guard, and the
-function that replaces it.
+For each guard, GUARDS has the object that is changed, the name of the function that is the guard,
+and the function that replaces this function.
 """
 from __future__ import annotations
 

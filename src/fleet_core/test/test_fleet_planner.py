@@ -66,7 +66,9 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All drives that wait for no other robot are released, and all robots get new destinations."""
+    """First all drives that wait for no other robot are released. Then all robots get new
+    destinations.
+    """
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))
@@ -99,7 +101,7 @@ def test_a_robot_between_two_vertices_may_go_either_way():
 
 
 def _planner_with_a_zone():
-    """A planner for two corridors far apart; edges 2 and 4 form a zone for only one robot."""
+    """A planner for two corridors far from each other; edges 2 and 4 form a zone for one robot."""
     graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
                       4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
@@ -339,8 +341,8 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
 
 
 def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
-    """Constraints between drives whose times increase lead forward in time. Only drives that go
-    back in time could make robots wait in a ring.
+    """If the times of a robot's drives increase, all constraints lead forward in time. Only drives
+    that go back in time could make robots wait in a ring.
     """
     network = RoadNetwork(corridor(4))
     table = ReservationTable(network, 0.1, [AGV])
@@ -411,7 +413,7 @@ def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatc
     monkeypatch.setattr(parking, 'is_well_formed', check)
     monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
     found = parking.largest()
-    one_set = 2 * network.vertices * places  # upper bound of the work for the set under way
+    one_set = 2 * network.vertices * places  # upper bound of the work for one set
     assert sum(work) <= 500_000 + 2 * one_set
     assert len(found) > network.vertices / 2 and is_well_formed(found)
 

@@ -128,7 +128,7 @@ class RunningFleet:
                                                time_limit=0.3, improvement=0.05))
 
     def faults(self, tasks, outcome):
-        """The faults that the checker finds, for which the robot out of service does not drive."""
+        """The faults that the checker finds. It assumes that the robot out of service stands."""
         plan = solved_plan(outcome, 0.0, 0.0)
         plan['robots'][self.out] = []
         missions = {task.name: task.destinations for task in tasks
@@ -140,7 +140,7 @@ class RunningFleet:
 
 
 def running_fleet(seed):
-    """A random fleet, and its random numbers; an example without a valid graph is skipped."""
+    """A random fleet, and its source of random numbers; skips examples without a valid graph."""
     random = Random(seed)
     try:
         return random, RunningFleet(random)

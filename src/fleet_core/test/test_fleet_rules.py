@@ -106,7 +106,7 @@ def _caught(seed: int) -> bool:
     try:
         case = Case(Random(seed))
         plan = case.plan(rounds=0)
-    # the graph is not valid, or the planner itself found the fault: neither counts
+    # does not count: the graph is not valid, or the planner itself found the fault
     except (GraphError, Conflicting):
         return False
     return plan is not None and faults(case.world, plan) != []

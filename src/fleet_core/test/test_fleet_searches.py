@@ -1,8 +1,8 @@
 """The searches find the best solution, compared with each other and with exhaustive search.
 
-The grid has edges exactly as long as the distance that robots must keep. On it every plan can be
-made of steps of one edge, in which no two robots hold the same vertex. So an exhaustive search is
-easy to write, and shares no code with the planner.
+The grid has edges exactly as long as the distance that robots must keep. On this grid every plan
+can be made of steps of one edge in which no two robots hold the same vertex. So an exhaustive
+search is easy to write, and shares no code with the planner.
 """
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _neighbours(graph: Graph) -> Dict[int, List[int]]:
 
 
 def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Optional[int]:
-    """The least sum of the times at which all robots have reached their goals for good."""
+    """The lowest sum of the times at which robots have reached their goals for good."""
     neighbours = _neighbours(graph)
     first = tuple(starts), (False,) * len(starts)
     best = {first: 0}
@@ -102,7 +102,7 @@ def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
                 others: Sequence[Sequence[int]]) -> Optional[int]:
     """The earliest time from which a robot can stay at its goal.
 
-    others -- robot k of the other robots is at `others[k][t]` at time t
+    others -- the other robots: robot k is at `others[k][t]` at time t
     """
     neighbours = _neighbours(graph)
 
@@ -163,8 +163,8 @@ def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
 
 
 def test_plans_of_small_fleets_are_near_the_best_there_are():
-    """The planner promises no bound: one plan in about 1,600 exceeds the bound of this test. The
-    first such plan has seed 3254.
+    """The planner guarantees no bound: one plan in about 1,600 exceeds the bound of this test. The
+    first such plan has the seed 3254.
     """
     for seed in range(200):
         best, outcome = _small_fleet(seed)
@@ -209,7 +209,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
-    """On any graph, the search with layers costs at most one layer more for each vertex."""
+    """On any graph, a path found with layers costs at most one layer more for each vertex."""
     try:
         case = Case(Random(seed))
     except GraphError:

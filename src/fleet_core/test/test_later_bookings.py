@@ -1,4 +1,4 @@
-"""Bookings that are made only when they are read are the same as bookings made at once."""
+"""Bookings that are made only when they are read equal bookings that are made immediately."""
 from __future__ import annotations
 
 from random import Random
@@ -23,7 +23,7 @@ KINDS = (RobotType('small', 0.2, 1.3), RobotType('large', 0.5, 1.0))
 
 
 class Pair:
-    """A table whose bookings are made at once, and a table whose bookings are made later."""
+    """Two tables with the same bookings: one makes them immediately, the other one later."""
 
     def __init__(self, seed: int) -> None:
         self.random = Random(seed)

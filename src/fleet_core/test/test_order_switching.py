@@ -33,7 +33,7 @@ MANY = settings(max_examples=max(1, settings.default.max_examples // (4 if WHOLE
 
 @dataclass
 class Moment:
-    """A fleet that drives by a plan; some robots are late."""
+    """A fleet that drives according to a plan; some robots are late."""
 
     network: RoadNetwork
     clearance: float
@@ -80,8 +80,7 @@ class Moment:
         return edge_groups(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
-        """The plan in the form of the checker: past drives in the old order, later ones in `order`.
-        """
+        """The plan as the checker reads it: past drives in the old order, later ones in `order`."""
         progress = self.progress
         robots = {}
         for name, planned in self.outcome.drives.items():
@@ -92,7 +91,7 @@ class Moment:
             robots[name] = [d._asdict() for d in planned[:done]] + new
         ends = [drives[-1]['end'] if drives else 0.0 for drives in robots.values()]
         begun = [one for one in self.outcome.precedence if one.drive < progress[one.then].released]
-        for name, one in progress.items():  # places that all robots have left behind by now
+        for name, one in progress.items():  # constraints for places that this robot has left by now
             done, share = one.cleared if one.cleared[1] else (one.cleared[0] - 1, 1.0)
             begun += [Constraint(name, done, share, other, two.released)
                       for other, two in progress.items()
@@ -276,7 +275,7 @@ def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
-    """Half of fifty robots are late, each at a place where the plan lets it go first."""
+    """Of fifty robots, half are late; the plan lets each late robot go first at some place."""
     courses, found = {}, []
     for k in range(25):
         late, other = f'late{k}', f'other{k}'

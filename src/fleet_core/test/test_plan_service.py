@@ -1,7 +1,7 @@
-"""The planner as a service: its answer depends only on the request, and comes in time.
+"""The planner as a service: its answer depends only on the request, and arrives in time.
 
-The searches look at the clock. The work after them takes a time that grows no faster than the plan.
-The tests measure CPU time, with a generous factor, because machines can be busy.
+The searches look at the clock. The time for the work after the searches grows no faster than the
+plan. The tests measure CPU time, with a generous factor, because machines can be busy.
 """
 from __future__ import annotations
 
@@ -226,8 +226,9 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
 
 @pytest.fixture
 def plan_until(monkeypatch):
-    """A function that plans for robots, each in its own row of vertices. The time ends during the
-    search with the number `last`, which finds nothing."""
+    """A function that plans for robots, each in its own row of vertices. The time ends during
+    search number `last`, so that this search finds nothing.
+    """
     def plan(count, last, *tasks):
         late, planned, now = [0.0], [], time.monotonic
 

@@ -89,7 +89,7 @@ class TestAfterARestart:
         running(copy, file)
         save_graph(SHORT, file)
         again = GraphInForce(copy)
-        # the robot may have been carried there meanwhile
+        # the robot may have been carried there before the restart
         again.routes['agv_1'] = ReportedRoute((), 3)
         assert again.load(file) == Loaded(True, '')
         assert again.graph.edges == SHORT.edges

@@ -29,7 +29,7 @@ LD90 = RobotType('omron_ld90', 0.43, 1.35, 0.25, False, frozenset({16}))
 
 
 def ring(*spurs, radius=6.0, one_way=()):
-    """Vertices 1 to 4 on a square, edges 1 to 4; at each vertex k of `spurs` a dead end 10 + k."""
+    """A square of vertices and edges 1 to 4, with a dead end 10 + k at each vertex k of `spurs`."""
     places = {1: (0.0, 0.0), 2: (radius, 0.0), 3: (radius, radius), 4: (0.0, radius)}
     ends = {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 1)}
     for k in spurs:
@@ -106,8 +106,8 @@ class TestEdges:
                          {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (5, 6)})
         first, second = long_edges(RoadNetwork(graph), AGV, 0.9)
         assert (first.id, first.length, second.id) == (3, pytest.approx(20.0), 1)
-        # Of the 30 ordered pairs of vertices, 3 x 3 in each direction are joined over edge 3, and
-        # 1 x 5 over edge 1.
+        # There are 30 ordered pairs of vertices. In each direction, edge 3 joins 3 x 3 pairs, and
+        # edge 1 joins 1 x 5 pairs.
         assert (first.share, second.share) == (pytest.approx(18 / 30), pytest.approx(10 / 30))
 
     def test_that_run_near_each_other_without_meeting_are_told(self):
@@ -141,7 +141,7 @@ class TestRemarks:
             remark.text for remark in remarks(graph, Fleet((AGV,), (), 0.1), found))
 
     def test_what_lies_behind_a_dock_is_named_with_the_true_reason(self):
-        """Vertex 20 lies behind dock 12 on the same lane, and may itself be a dock."""
+        """Vertex 20 lies behind dock 12 on the same lane, and may be a dock itself."""
         graph = ring(2)
         lane = Graph([*graph.vertices.values(), replace(graph.vertices[12], id=20, x=12.0)],
                      [*graph.edges.values(), replace(graph.edges[12], id=20, origin=12,

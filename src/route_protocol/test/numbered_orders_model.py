@@ -19,16 +19,16 @@ Events
     * The vehicle drives half an edge, reports, refuses an order for a reason of its own, fails on
       its route, comes to rest, or restarts without its memory. (A restart with its memory changes
       nothing.)
-    * Another giver moves the vehicle. Another master, or an old one that does not number its
-      orders, orders a route or a stop. A person stops the vehicle without the master (a stop with
-      number 0).
+    * Another giver moves the vehicle. Another master, or an old master (without order numbers),
+      orders a route or a stop. A person stops the vehicle without the master (a stop with number
+      0).
     * The master stores its state, or restarts from its journal, or from an older one. The master
       extends the route to a new place or back to the first place, shortens it, or sends a stop.
 
 Invariants
-    A  An edge that the vehicle may still drive by an order of this master is in the allocation.
-    B  The present place or edge of the vehicle is in the allocation, unless something other than
-       the master has moved the vehicle and no report shows this yet.
+    A  If an order of this master may still make the vehicle drive an edge, the allocation has it.
+    B  The present place or edge of the vehicle is in the allocation. The exception: something
+       other than the master has moved the vehicle, and no report shows this yet.
     C  Liveness: if from now on messages arrive and nothing fails, the master brings the vehicle to
        the end of a new edge.
     D  No message of an old master is obeyed twice, or after a newer message was obeyed.
@@ -36,7 +36,7 @@ Invariants
        vehicle may be anywhere.
 
 A reader who knows RULES and the two functions `obey` and `hear` can predict every case. If the
-vehicle has driven the first edges of an order already, no further rule is needed: record numbers
+vehicle has already driven the first edges of an order, no further rule is needed: record numbers
 say where the order continues.
 """
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Order(NamedTuple):
     """An order of a numbering master; without edges: a stop."""
 
     number: int
-    epoch: int  # the vehicle's epoch in which the order was decided; a stop needs none
+    epoch: int  # the vehicle's epoch in which the order was decided; a stop needs no epoch
     first: int  # record number of edges[0]
     edges: Tuple[Edge, ...]
     master: str = ME
@@ -145,14 +145,14 @@ class Vehicle(NamedTuple):
     refused: int = 0  # highest number of an order that it refused in this epoch
     done: int = 0  # edges driven in this epoch
     route: Tuple[Edge, ...] = ()  # the edges from `done` on
-    rolling: Tuple[Edge, ...] = ()  # without a route: edges that it may still drive
+    rolling: Tuple[Edge, ...] = ()  # without a route: the edges that it may still drive
     failed: bool = False
     place: Optional[int] = 0
     edge: Optional[Edge] = None  # kept after it lost its route
     sequence: int = 0
-    stamp: int = 0  # messages of old masters with this stamp or an older one are too old
+    stamp: int = 0  # messages of old masters with this stamp, or an older stamp, are too old
     giver: str = NOBODY  # the program whose order moves it
-    moved_since: int = -1  # number of the last report before a giver other than the master moved it
+    moved_since: int = -1  # number of the last report before another giver moved it
 
 
 class Master(NamedTuple):
@@ -169,7 +169,7 @@ class Master(NamedTuple):
     place: Optional[int] = 0
     edge: Optional[Edge] = None
     unknown: int = 0  # the vehicle may be anywhere until it stands after this or a later order
-    gap: Tuple[int, int] = (0, 0)  # numbers between these two are not in the journal that was read
+    gap: Tuple[int, int] = (0, 0)  # the journal that was read lacks the numbers between these two
 
 
 class State(NamedTuple):
@@ -182,7 +182,7 @@ class State(NamedTuple):
     reports: FrozenSet[Report] = frozenset()
     old_orders: Tuple[OldOrder, ...] = ()
     labels: int = 0
-    drawn: int = 0  # the highest number ever drawn, which a clock would show
+    drawn: int = 0  # the highest number ever drawn; a clock would show it
     others: int = 0
     restores: int = 0
     unaware: bool = False  # the master has not noticed yet that its journal is an older one
@@ -270,7 +270,7 @@ class Model:
     def number_old_order(self, vehicle: Vehicle, message: OldOrder) -> Optional[Order]:
         """Returns the message of an old master as a numbered order; None if it is too old.
 
-        The vehicle finds the edge where it is, and leaves out the edges that it has driven before.
+        The vehicle finds its present edge in the route, and leaves out the edges before that one.
         """
         if self._rules['stamp'] and message.stamp <= vehicle.stamp:
             return None
@@ -285,7 +285,7 @@ class Model:
     # -- the master -------------------------------------------------------------------------------
 
     def allocation(self, master: Master) -> Set[Edge]:
-        """Returns the edges that are allocated, if the vehicle cannot be anywhere."""
+        """Returns the allocated edges; only valid if the vehicle is not `anywhere`."""
         edges = set(master.held)
         if master.edge is not None:
             edges.add(master.edge)
@@ -350,7 +350,9 @@ class Model:
         return where_it_is(master)
 
     def new_orders(self, state: State, bounds: Bounds) -> Iterator[Tuple[str, Order, int]]:
-        """Yields what the master may order now: the kind, the order, and how many new edges."""
+        """Yields what the master may order now: the kind, the order, and the number of new edges in
+        it.
+        """
         master = state.master
         number = self._next_number(master, state.drawn)
         end = self.end(master)
@@ -529,10 +531,10 @@ class Model:
         return False
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
-        """Visits all states within the bounds, nearest first, until one violates an invariant.
+        """Visits all states within the bounds, near ones first, until an invariant is violated.
 
-        most -- stops after this number of states
-        live -- also checks liveness, which takes several times as long
+        most -- the search ends after this number of states
+        live -- liveness is checked, too, which takes several times as long
         """
         with _no_garbage_collection():
             return self._search(bounds, most, live)
@@ -569,8 +571,8 @@ class Model:
 
 @contextlib.contextmanager
 def _no_garbage_collection() -> Iterator[None]:
-    """Stops garbage collection, which takes a third of the time and finds nothing: states form no
-    cycles.
+    """Stops garbage collection. It takes a third of the time and finds nothing, because states form
+    no cycles.
     """
     gc.disable()
     try:
@@ -603,7 +605,7 @@ def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
 
 
 def drive(vehicle: Vehicle) -> Vehicle:
-    """The vehicle half an edge farther; the record does not count edges on which it only rolls."""
+    """The vehicle after half an edge more. The record omits edges on which it only rolls."""
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
         return vehicle._replace(edge=edges[0], place=None)
@@ -631,7 +633,7 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
+    """Returns whether the vehicle may obey an order that the journal lacks, according to a report.
 
     If a newer order was taken, the vehicle obeys none of these orders.
     """

@@ -1,4 +1,4 @@
-"""Which order waits at a vehicle, when it is answered, and what its master is told."""
+"""Which order waits at a vehicle, when the order is answered, and what its master is told."""
 from __future__ import annotations
 
 from itertools import count
@@ -305,8 +305,8 @@ def test_no_route_is_late_where_the_clock_of_the_vehicle_was_set_back(fleet, rec
 
 @given(st.integers(0, 2 ** 32))
 def test_each_route_is_answered_in_time_and_none_is_forgotten(seed):
-    """Masters send orders, repetitions and stops in any sequence. The vehicle can decide at some
-    times, and cannot at others.
+    """Masters send orders, repetitions and stops in any sequence. At some times the vehicle can
+    decide, at other times it cannot.
     """
     random, fleet = Random(seed), Fleet()
     first: Dict[Tuple[int, int], float] = {}

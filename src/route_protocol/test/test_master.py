@@ -30,7 +30,7 @@ from route_protocol.messages import WrongReport
 
 WHOLE = is_whole(__file__)
 MOST = None if WHOLE else 10_000  # number of states that a search visits, the nearest first
-_BASE = 2000  # above each label and each place
+_BASE = 2000  # greater than each label and each place
 
 Change = Callable[[real.MasterState, real.MasterState], real.MasterState]
 """Returns a wrong state after a report, from the states before and after it."""
@@ -74,8 +74,8 @@ class RealMaster(NamedTuple):
 class WithRealMaster(Model):
     """The model with the real master.
 
-    change, reading -- plant a fault: `change` makes a state after a report wrong, `reading` makes
-                       a report wrong before the master reads it
+    change, reading -- functions that plant a fault: `change` makes the state after a report wrong;
+                       `reading` makes a report wrong before the master reads it
     """
 
     def __init__(self, change: Change = lambda before, after: after,
@@ -131,7 +131,7 @@ class WithRealMaster(Model):
 
 
 def as_sent(said: Report, state: real.MasterState) -> values.RouteReport:
-    """The report of the model in the form in which the vehicle sends it.
+    """The model's report in the form in which a vehicle sends it.
 
     The model's report lacks the edges of the order that it shows. The master's state has them.
     """
@@ -216,7 +216,7 @@ READINGS: Dict[str, Tuple[Reading, str]] = {
 
 
 def flaw_of(model: Model, bounds: str, live: bool = False) -> str:
-    """The flaw that a search within the bounds finds; a report that the master refuses is a flaw.
+    """The flaw that a search within the bounds finds. A report that the master refuses is a flaw.
     """
     try:
         return model.search(BOUNDS[bounds], MOST, live).flaw

@@ -67,7 +67,7 @@ def test_without_any_one_of_its_rules_the_search_finds_a_violation(rule):
 
 
 def test_the_way_to_a_violation_is_a_shortest_one():
-    """An order is sent without being stored, it arrives, and the master restarts without it."""
+    """An order is sent but not stored, arrives, and the master restarts without knowing it."""
     assert len(Model('commit').search(ALONE).way) == 3
 
 

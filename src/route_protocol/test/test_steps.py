@@ -1,4 +1,4 @@
-"""A robot takes each key once, in its own run, and keeps what it has taken."""
+"""A robot takes each key once, only in the run that the command names, and keeps its steps."""
 from __future__ import annotations
 
 import pytest

@@ -334,7 +334,7 @@ class Pair:
         return self.edges[label]
 
     def new_order(self) -> model.Order:
-        """An order from the present place on, or an order with a wrong start, number or epoch."""
+        """An order that begins at the present place, or has a wrong start, number or epoch."""
         its, random = self.model, self.random
         master = random.choice((model.ME, model.ME, model.ME, model.OTHER))
         self.numbers[master] += random.randint(1, 2)

@@ -110,7 +110,7 @@ class Fleet:
 
     @property
     def all_types(self) -> Tuple[RobotType, ...]:
-        """The types of the fleet, and those of its robots.
+        """The types that the fleet lists, and the types of its robots.
 
         A fleet that was not read from a file may list no types.
         """

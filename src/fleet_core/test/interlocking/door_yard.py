@@ -2,7 +2,7 @@
 
 `Claims` and `Interlocking` are the real ones. The door is a small machine.
 
-Events, besides those of the yard
+Events, in addition to the events of the yard
     * A robot asks for any edge, and claims the door if it lacks only this claim. Or it asks for no
       edge.
     * Claims are stored, together with all other changes, and a request to the door is sent.
@@ -17,9 +17,9 @@ Events, besides those of the yard
     * The route of a robot is shortened so that it ends before the door, because no fresh report
       says that the door is open.
 
-Properties, besides those of the yard
-    OPEN      The door is open for each robot that is on an edge of the door, or whose route leads
-              through the door.
+Properties, in addition to the properties of the yard
+    OPEN      The door is open for each robot on an edge of the door, and for each robot whose route
+              leads through the door.
     CLAIMED   Each robot with an edge of the door in its allocation claims the door, in memory and
               in the journal.
     CAPACITY  At most one robot claims the door in the journal.
@@ -82,12 +82,12 @@ class Door(NamedTuple):
     stored  -- the robots that claim the door in the journal
     wanted  -- the robots that want the door
     changed -- the robots whose claims are to be stored
-    number  -- the last number of a request that was drawn
+    number  -- the last number that was drawn for a request
     written -- the number in the journal
     begun   -- a request was sent to each door since the start
     request -- the newest request
     asked   -- for each robot, the first request that names it
-    told    -- the request in the newest report, if it is fresh and shows the door open; else 0
+    told    -- the request in the newest report; 0: this report is not fresh, or does not show OPEN
     sent    -- requests on their way
     obeyed  -- the request that the door obeys
     is_open -- the door is open
@@ -118,7 +118,7 @@ class Door(NamedTuple):
         return self._replace(told=said.request if said.is_open else 0)
 
     def ranked(self) -> Door:
-        """The same door with ranks in place of numbers, which are only compared."""
+        """The same door with ranks in place of numbers, because the numbers are only compared."""
         used = {0, self.number, self.written, self.request.number, self.told, self.obeyed.number,
                 *(number for _, number in self.asked), *(one.number for one in self.sent)}
         if self.kept is not None:
@@ -168,7 +168,7 @@ class DoorYard(Yard):
     # -- claims -----------------------------------------------------------------------------------
 
     def _claims(self, door: Door, ids: Tuple[int, ...]) -> Claims:
-        """The real claims, in their state for this door and for the allocations of the robots."""
+        """The real claims, in the state that fits this door and the robots' allocations."""
         claims = Claims(self._needs, {name: frozenset({DOOR}) for name in door.stored},
                         door.number, self.clock_of_requests)
         claims._wanted = {name: frozenset({DOOR}) for name in door.wanted}
@@ -226,7 +226,9 @@ class DoorYard(Yard):
         return tuple(self._views[self._view[id]].allocated for id in ids)
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
-        """A robot after orders were sent, with a flaw if the door is not ready for a new edge."""
+        """A robot after its order was sent, with a flaw if the order leads into the door while the
+        door is not ready.
+        """
         if sent == id:
             return sent
         before, after = self._sides[id], self._sides[sent]
@@ -378,7 +380,7 @@ class DoorYard(Yard):
         return self._wrong_inside(inside, door)
 
     def _may_be_inside(self, id: int) -> bool:
-        """Returns whether a robot is on edges of the resource, or its route leads there."""
+        """Returns whether a robot is on edges of the resource, or has a route that leads there."""
         vehicle = self._sides[id].vehicle
         edges = {edge.label for edge in (*vehicle.route, *vehicle.rolling)}
         if vehicle.edge is not None:

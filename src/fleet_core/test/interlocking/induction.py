@@ -33,7 +33,7 @@ class Action(NamedTuple):
 
 
 class System:
-    """Relations before and after an action, by name, and the invariants that they must satisfy.
+    """Relations before and after an action, by name, and the invariants that must hold for them.
 
     sorts -- for each relation, the sorts of the two things that it relates
     """
@@ -54,7 +54,7 @@ class System:
         return [self._is_after(name, changes.get(name, self.before[name])) for name in self._sorts]
 
     def with_arbitrary(self, name: str, only: Any) -> List[Formula]:
-        """Returns the effect that changes one relation of one thing in any way, and nothing else.
+        """Returns the effect that changes one relation of one thing arbitrarily, and nothing else.
         """
         def unchanged(thing: Any, other: Any) -> Formula:
             return z3.If(thing == only, self.after[name](thing, other),
@@ -107,7 +107,7 @@ class System:
 def proof_of(system: System, actions: Dict[str, Action], needed_for: Dict[str, str]) -> type:
     """Returns the tests of a proof, as a class for pytest.
 
-    needed_for -- for each guard an invariant that breaks without it
+    needed_for -- for each guard, an invariant that breaks without the guard
     """
     guards = [(name, guard) for name, action in actions.items() for guard in action.guards]
 

@@ -1,9 +1,9 @@
 """A robot in a place that needs a door, a zone or a station is the only one with that resource.
 
 A claim is stored before a request is sent to the device. The claim ends only when no place needs
-it, never after a time. So the device stays open for each robot that may be in it. This holds for
-any number of robots, places and resources. A resource of capacity n counts as n resources, of which
-a robot claims a free one. `test_door_yard.py` has requests that come late.
+the resource, never after a time limit. So the device stays open for each robot that may be in it.
+This holds for any number of robots, places and resources. A resource of capacity n counts as n
+resources; a robot claims a free one. In `test_door_yard.py`, requests come late.
 """
 from __future__ import annotations
 

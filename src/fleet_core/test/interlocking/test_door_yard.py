@@ -75,7 +75,7 @@ def test_no_two_robots_are_in_a_charger_for_one_whatever_happens(name: str, caps
 
 
 def walks(kind: Type[DoorYard] = DoorYard, most: int = WALKS, first: int = 0) -> Iterator[Found]:
-    """The results of random walks; walk number `first` comes before all others."""
+    """The results of random walks, beginning with walk number `first`."""
     walked = yard(STAR, kind)
     return (walked.walk(WIDE, (first + k) % most, 200) for k in range(most))
 
@@ -119,7 +119,7 @@ def test_a_robot_gets_through_the_door() -> None:
 # -- planted faults --------------------------------------------------------------------------------
 
 FAR = 60
-"""Number of walks within which a planted fault must be found."""
+"""Maximum number of walks that may be needed to find a planted fault."""
 
 
 class ForgetsClaimsAtARestart(DoorYard):
@@ -143,7 +143,7 @@ YARDS: Dict[Type[DoorYard], int] = {
     ForgetsClaimsToTheChargerAtARestart: 0}
 """For each fault, the number of the walk that found it. This walk is tried first.
 
-After a change of the model another walk may find the fault.
+After a change of the model, another walk may find the fault first.
 """
 
 

@@ -1,4 +1,4 @@
-"""Guards of the interlocking whose cases are refused by a second guard, too.
+"""Guards of the interlocking for which a second guard refuses the same cases.
 
 If such a guard is left out, no search of `test_yard` finds a flaw. So each guard is tested alone.
 """
@@ -39,7 +39,7 @@ class Robot:
 
 
 def standing(**metres: float) -> Dict[str, Robot]:
-    """Robots by name; each stands so many metres from the beginning of edge 1."""
+    """Robots by name; each stands at the given distance (m) from the beginning of edge 1."""
     robots = {}
     for name, arc in metres.items():
         robots[name] = Robot(name, RouteMaster(RouteRecord(GRAPH, AGV), int))
@@ -115,7 +115,7 @@ def test_a_stop_and_a_shorter_route_are_sent_also_if_they_could_not_be_stored():
 
 
 def closes(site: Interlocking) -> None:
-    """Makes the report of the door old: no fresh report says that the door is open."""
+    """Makes the report of the door old, so that no fresh report says that the door is open."""
     site.claims.open_for = {}
 
 

@@ -1,4 +1,4 @@
-"""Sequences of events of one robot that failed in the model of a yard, and a property of grants."""
+"""Sequences of events of one robot that failed in the yard's model, and a property of grants."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -75,14 +75,14 @@ def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_sta
 def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_its_robot():
     """Otherwise the robot would ignore the orders, and the master would refuse all reports.
 
-    An order that is missing in the journal may still be on its way.
+    An order that the journal lacks may still be on its way.
     """
     robot = master()
     robot.hear(told(1, 1, 0.0, order=1000))
     assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
     robot.halt()
     assert robot.order is not None and robot.order.number > 1000 + 365 * 24 * 3600 * 1000
-    robot.hear(told(2, 1, 0.0, order=1001))  # an order that is missing in the journal has arrived
+    robot.hear(told(2, 1, 0.0, order=1001))  # an order that the journal lacks has arrived
     assert robot.allocation.knowledge is Knowledge.UNKNOWN
     robot.hear(told(3, 1, 0.0, order=robot.order.number))
     assert robot.allocation.vertex == 1 and robot.is_ready
@@ -145,7 +145,7 @@ def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location
 
 
 def test_a_refused_shorter_route_is_forgotten_with_the_record_that_it_was_part_of():
-    """A late copy of a stop sets the numbers of edges back, so that the same number means another
+    """A late copy of a stop sets the numbers of edges back. Then the same number means another
     edge.
     """
     robot = master()

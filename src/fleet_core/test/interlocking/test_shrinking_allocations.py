@@ -1,5 +1,4 @@
-"""An allocation that only becomes smaller excludes no further robot, so it is not compared again.
-"""
+"""An allocation that only shrinks excludes no further robot, so it is not compared again."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -20,13 +20,13 @@ AT_MOST = 25
 
 OTHERS: Dict[str, Set[str]] = {
     'MasterState': set(),
-    # constants; the state of the protocol; data that only plans read
+    # not listed: constants; the state of the protocol; data that only plans read
     'RouteRecord': {'graph', 'kind', 'slack', 'protocol', 'generation', 'driven'},
-    # constants; the label of a route; the shorter route that was refused; a gate; a sign of an
-    # outage; values that follow from all others; the function that is called after a change
+    # not listed: constants; the label of a route; the refused shorter route; a gate; a sign of an
+    # outage; values that follow from all others; the function called after a change
     'RouteMaster': {'record', 'clock', 'label', 'cut_refused', 'clock_is_off', 'off_graph',
                     'allocation', 'elsewhere', 'progress', 'tell'},
-    # missions, charging, outages, learned times, and when to try again
+    # not listed: missions, charging, outages, learned times, and times for new attempts
     'ManagedRobot': {'name', 'type', 'settings', 'master', 'outage', 'why', 'battery', 'liveness',
                      'is_halted', 'comes_to_rest', 'dock', 'passed', 'driven', 'timer', 'refusals',
                      'has_refused', 'unready', 'retried', 'charge_until', 'tops_up'}}

@@ -18,8 +18,8 @@ from route_protocol.master import MasterState
 from trajectory_graph import Graph
 
 WHOLE = is_whole(__file__)
-NEAREST = 8_000  # number of states that a search visits by default; with LIVE, a fifth of it
-FAR = 15_000  # number of states within which a planted fault must be found
+NEAREST = 8_000  # number of states that a search visits by default; a fifth of these with LIVE
+FAR = 15_000  # maximum number of states that may be needed to find a planted fault
 LINE = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0)}, {1: (1, 2), 2: (2, 3)})
 STAR = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0), 4: (2.4, 2.4)},
                 {1: (1, 2), 2: (2, 3), 3: (2, 4)})
@@ -31,7 +31,7 @@ BEGINS = {'a': 1, 'b': 3, 'c': 4}
 class Search(NamedTuple):
     """A yard and bounds.
 
-    most -- a whole search ends after this number of states; None: it visits all within its bounds
+    most -- maximum number of states of a whole search; None: all states within its bounds
     """
 
     graph: Graph

@@ -13,7 +13,7 @@ Events
     * A robot drives half an edge, takes or refuses an order, loses its route, comes to rest on its
       edge or on the next one, or restarts without its memory. (A restart with its memory changes
       nothing.) Another giver takes the robot and drives it to the end of an edge. A person stops it
-      without the fleet manager. Its clock is ahead: then its reports arrive at once or never,
+      without the fleet manager. Its clock may be ahead: then its reports arrive at once or never,
       because the fleet manager could not know the age of a late report.
     * Any order that was sent arrives: at any time, any number of times, or never.
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
@@ -21,27 +21,27 @@ Events
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores the changes
       that reports made, and restarts from its journal, or from its first journal. It may end
       between the storing of a grant and the sending of the order. Its disk may become full at any
-      time, even before a grant is stored, and free again.
-    * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
-      where it stands.
+      time, even before a grant is stored, and may become free again.
+    * A person stops the fleet and resumes it, takes a robot out of service, and returns it to
+      service where it stands.
 
 Properties
     CONTAINED  All places where a robot is, or to which its route still leads, are in its
                allocation, and in the allocation that it would have after a restart. While another
                giver drives a robot, its place is unknown until a report shows it.
     APART      No two allocations exclude each other, and no two entries of the journal do. No two
-               robots are too near to each other. If another giver has taken one of the two, this
-               may happen, but then both are stopped.
+               robots are too near to each other. If another giver has taken one of the two, they
+               may be too near, but then both are stopped.
     STORED     An order with edges is in the journal before it is sent.
     GRANTED    Nothing is granted that a gate or a condition must forbid in the true situation.
-    LIVE       If from now on messages arrive, nothing fails, and a person helps, then a robot is
-               granted an edge and takes the order. (This need not hold if another giver has taken a
-               robot: then a person may have to move a robot by hand.)
+    LIVE       If, from any state on, messages arrive, nothing fails, and a person helps, then a
+               robot is granted an edge and takes the order. (This need not hold if another giver
+               has taken a robot: then a person may have to move a robot by hand.)
 
-A search visits all states within its bounds: the numbers of grants, faults and acts of people. The
-number of reports has no bound. A walk follows one random sequence of events, with far wider bounds.
-The distances have no reserve: a robot is `SLACK` short of a vertex that it passes, and counts as
-exactly on its edge.
+A search visits all states within its bounds, which limit the numbers of grants, faults and acts of
+people. The number of reports has no bound. A walk follows one random sequence of events with far
+wider bounds. The distances have no reserve: a robot is `SLACK` short of a vertex that it passes,
+and counts as exactly on its edge.
 
 Not in this model: robots beside their edges, other beginnings of a route, other masters (which
 `test_master.py` of route_protocol has for one robot), changes of the graph, robots that are
@@ -110,7 +110,7 @@ from numbered_orders_model import (  # noqa: E402
 MASTER = 'path_supervisor'
 CLEARANCE = 0.1
 NOW = 0.0
-LATER = math.inf  # at this time each order is due, even if it was sent at LATER (inf - inf is NaN)
+LATER = math.inf  # then each order is due, even one that was sent at LATER (inf - inf is NaN)
 NEAR = 1e-6       # m
 SLACK = 0.05      # m that a robot may be short of its reported place
 AHEAD = 5.0       # s by which a wrong clock is ahead
@@ -123,8 +123,9 @@ MOTIONS = {
     Motion.UNKNOWN: values.Motion.UNKNOWN}
 
 Step = Tuple[str, int, int, int, int]
-"""An event, the state after it, the numbers of faults and of acts that it counts for, and the flags
-of its consequences (HEARD and so on)."""
+"""An event, the state after it, the numbers of faults and of acts in this event, and the flags of
+its consequences (HEARD and so on).
+"""
 Point = Tuple[float, float]
 Piece = Tuple[Point, Point, float]
 """All points within a radius of a straight line."""
@@ -136,7 +137,7 @@ HELPS = ('the disk is freed', 'the fleet is resumed', 'drives', 'obeys or refuse
 
 _NUMBERS = re.compile(r'[-\d]+')
 
-# flags for the consequences of a change of one robot
+# flags for the consequences when one robot changes
 HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 
 class Said(NamedTuple):
@@ -145,7 +146,7 @@ class Said(NamedTuple):
     content -- index of the content of the report: all fields except `number`
     number  -- the number of the report
     moved   -- half edges that the robot has driven since it made the report
-    ahead   -- the stamp of the report is from a clock that is ahead
+    ahead   -- the clock that stamped the report is ahead
     """
 
     content: int
@@ -161,7 +162,7 @@ class Side(NamedTuple):
     belief -- index of the ManagedRobot
     memory -- index of the robot's entry in the journal
     listed -- index of the allocation that the interlocking counts as stored
-    stale  -- the robot is to be stored
+    stale  -- the robot must be stored again
     drawn  -- the highest number of an order ever drawn, as a clock would show it
     shown  -- the order that the robot follows, or followed last
     short  -- the edge behind the robot on which a part of it may still be; 0: none
@@ -206,7 +207,7 @@ class View(NamedTuple):
 class Site(NamedTuple):
     """The state that all robots share.
 
-    grants, faults, acts -- how many of them may still happen
+    grants, faults, acts -- how many grants, faults and acts may still happen
 
     door -- further state of a DoorYard
     """
@@ -258,7 +259,7 @@ EVERY: FrozenSet[Fault] = frozenset(Fault)
 
 
 class Bounds(NamedTuple):
-    """How many grants, faults, and acts of people there may be.
+    """The maximum numbers of grants, faults, and acts of people.
 
     kept -- whether reports may be kept on their way
     of   -- the kinds of faults
@@ -281,7 +282,7 @@ class Clock:
 
 
 def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting: bool) -> bool:
-    """Stops robots that exclude each other, as the supervisor does; False: there are none."""
+    """Stops robots that exclude each other, as the supervisor does. False: it stops none."""
     stopped = site.separate(is_starting)
     for name in stopped:
         robots[name].notice(Sign.EXCLUDED, 'too near')
@@ -296,8 +297,8 @@ def _values(thing: object, without: Sequence[str]) -> Tuple[Hashable, ...]:
 def key_of(robot: ManagedRobot) -> Hashable:
     """All state of a robot on which later events depend.
 
-    Attributes that do not count are named, so that no new attribute is forgotten. Only plans read
-    `_driven` and `generation`. More than two strays have the same effect as two strays.
+    The code names the attributes that do not count, so that no new attribute is forgotten. Only
+    plans read `_driven` and `generation`. More than two strays have the same effect as two strays.
     """
     master = robot.master
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
@@ -602,7 +603,7 @@ class Yard:
 
     @staticmethod
     def _motion(vehicle: Vehicle) -> values.Motion:
-        """The motion that a robot reports; even without its memory it knows that another giver
+        """The motion that a robot reports. Even without its memory it knows whether another giver
         drives it.
         """
         is_moved = vehicle.giver == OTHER and bool(vehicle.route or vehicle.rolling)
@@ -940,7 +941,7 @@ class Yard:
                       frozenset(map(self.names.index, interlocking.to_store)), site.door)
 
     def _wrong_grant(self, site: Site, ids: Tuple[int, ...], k: int, edge: int) -> str:
-        """The reason why an edge should not have been granted in the true situation."""
+        """Why the true situation forbids the grant of an edge; empty: it does not."""
         side = self._sides[ids[k]]
         robot, vehicle, its = self._beliefs[side.belief], side.vehicle, self._edges[edge]
         own, *others = (self._views[self._view[id]].allocated
@@ -948,7 +949,7 @@ class Yard:
         ahead, is_inside = robot.master.protocol.ahead, vehicle.edge in (its, self._turned(its))
         follows = (self._edges[ahead[-1]].destination == its.origin if ahead
                    else vehicle.place == its.origin or is_inside)
-        # if another giver moved the robot since its last report, it refuses the order
+        # if another giver moved the robot since its last report, the robot refuses the order
         was_moved = vehicle.moved_since >= robot.master.protocol.report
         for wrong, what in (
                 (site.is_stopped, 'the fleet is stopped'),
@@ -1129,7 +1130,7 @@ class Yard:
     # -- the search -------------------------------------------------------------------------------
 
     def is_live(self, state: State) -> bool:
-        """Returns whether a robot is granted an edge and takes the order, if all events help.
+        """Returns whether a robot is granted an edge and takes the order if all events help.
 
         For this check, all clocks are set right.
         """
@@ -1172,10 +1173,10 @@ class Yard:
         return state
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
-        """Visits all states within the bounds, nearest first, until one violates a property.
+        """Visits all states within the bounds, near ones first, until a property is violated.
 
-        most -- stops after this number of states
-        live -- also checks LIVE, which takes several times as long
+        most -- the search ends after this number of states
+        live -- LIVE is checked, too, which takes several times as long
         """
         gc.disable()
         try:

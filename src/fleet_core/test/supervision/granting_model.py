@@ -6,15 +6,15 @@ fits (`Question.plan`).
 
 The model is a fleet whose robots drive whole edges. Two edges exclude each other if they share a
 vertex. The planner may answer with any plan that is right for the question: any choice of short
-paths, and any order in which all robots come to their goals. A forgetful planner may leave out one
+paths, and any order in which all robots reach their goals. A forgetful planner may leave out one
 constraint of the order. The steps are: a robot drives its next edge; a robot is granted the next
 edge that is due; the planner is asked; an answer comes.
 
 What must hold:
 
 POSSIBLE   no two edges that a question counts as released for two robots exclude each other
-ANSWERABLE a right plan exists for each question that is asked while a right plan is in force
-FITS       of two answers in a row, at least one is used
+ANSWERABLE for each question that is asked while a right plan is in force, a right plan exists
+FITS       at least one of two consecutive answers is used
 PLANNED    the plan in force has each edge that a robot holds
 IN_TURN    if the plan is right, each edge that a robot holds is in its turn
 LIVE       if the plan in force is right, all robots come to their goals
@@ -79,8 +79,7 @@ class Guard(Enum):
 
 
 class Plan(NamedTuple):
-    """A plan: for each robot the number of its first drive, and its edges; the order of all robots.
-    """
+    """A plan: for each robot the number of its first drive, and its edges; and the order of use."""
 
     bases: Tuple[int, ...]
     drives: Tuple[Tuple[int, ...], ...]
@@ -90,8 +89,8 @@ class Plan(NamedTuple):
 
 class Asked(NamedTuple):
     """An open question. It has for each robot: the base, the edges that count as released, and the
-    number of the first edge that was not granted yet. `is_limited`: only foreseen edges are
-    granted.
+    number of the first edge that was not granted at that time. `is_limited`: only foreseen edges
+    are granted.
     """
 
     bases: Tuple[int, ...]
@@ -105,7 +104,7 @@ class State(NamedTuple):
 
     granted -- for each robot all edges that it was ever granted
     done    -- for each robot the number of these edges that it has driven
-    useless -- number of answers in a row that did not fit
+    useless -- number of consecutive answers that did not fit
     """
 
     granted: Tuple[Tuple[int, ...], ...]
@@ -130,7 +129,7 @@ class Fleet:
 
     further   -- m of edges that a question foresees
     forgetful -- the planner may leave out one constraint
-    without   -- a rule that is left out
+    without   -- the rule that is left out
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[int, int]], further: float,
@@ -147,7 +146,7 @@ class Fleet:
     # -- the search -------------------------------------------------------------------------------
 
     def search(self, questions: int, sought: Collection[Flaw] = tuple(Flaw)) -> Found:
-        """Visits each state that can be reached with this number of questions to the planner.
+        """Visits each state that can be reached with at most `questions` questions to the planner.
 
         sought -- the flaws that end the search
         """
@@ -346,8 +345,7 @@ class Fleet:
 
     def _rows(self, released: Tuple[int, ...], drives: Tuple[Tuple[int, ...], ...],
               places: Tuple[int, ...]) -> Iterator[Tuple[Tuple[int, int], ...]]:
-        """Each order in which the robots can make all drives after the released ones, one by one.
-        """
+        """Each sequence in which robots can make all drives after the released ones, one by one."""
         def at(k: int, count: int) -> int:
             return self._end(places[k], drives[k][:count])
 
@@ -363,7 +361,8 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: each drive waits for the last drive of each robot in its way.
+        """The constraints of a row: each drive waits for the last drive of each robot that is in
+        its way.
         """
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]

@@ -40,7 +40,7 @@ def site(template: Template, *stations: Station, loads: Tuple[LoadType, ...] = (
 
 def found(work: SiteWork, places: Mapping[int, float], docks: Tuple[int, ...] = (),
           fleet: Fleet = FLEET) -> Dict[Tuple[int, int], TooNear]:
-    """Returns the pairs of places that are too near, each under its two vertices.
+    """Returns the pairs of places that are too near to each other; the key is the two vertices.
 
     places -- x (m) of each vertex; all vertices are on one line
     """

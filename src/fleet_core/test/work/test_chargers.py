@@ -110,7 +110,7 @@ class Yard:
             self.wanted.clear()
 
     def _arrive(self, name: str, place: int) -> None:
-        """Lets a robot enter if the claims allow it; robots that do not stay have left before."""
+        """Lets a robot enter if the claims allow it. Robots that do not stay leave first."""
         charger = self.at[place]
         for other in self.robots:
             if other not in (*self.turns, *self.broken) and self.place[other] in charger.places:

@@ -1,4 +1,4 @@
-"""Missions that wait for others never form a ring, in every order of requests and ends."""
+"""Missions that wait for others never form a ring, in any order of requests and ends."""
 from __future__ import annotations
 
 from itertools import combinations, permutations, product

@@ -14,7 +14,7 @@ LIVES = 60 if is_whole(__file__) else 20
 
 PRESS = Station('press', (18,), (20, 22))
 SHELVES = Station('shelves', (39, 42), (50,), 2, StationKind.GROUP)
-AWAY = 99  # any vertex elsewhere
+AWAY = 99  # a vertex outside the station
 
 
 def waiter(robot: str, places: Tuple[int, ...] = (18,), rank: int = 0,
@@ -139,7 +139,8 @@ def test_robots_that_go_to_one_place_of_a_station_need_the_queue_although_anothe
 class Yard:
     """Robots that come to a station, work and leave, in a random order of events.
 
-    The yard has no roads: a robot arrives where it is sent at a random time, if the place is free.
+    The yard has no roads: a robot is sent to a place, and arrives there at a random time if the
+    place is free.
     """
 
     def __init__(self, station: Station, seed: int, robots: int) -> None:
@@ -192,7 +193,7 @@ class Yard:
             return
         if target in self.station.places and name not in self.inside:
             return
-        if self.at[name] is not None:  # it leaves a queue place, or a place of the station
+        if self.at[name] is not None:  # it leaves a queue place or a place of the station
             self.at[name] = None
         elif target not in self.at.values():
             self.at[name] = target

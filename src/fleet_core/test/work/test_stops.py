@@ -171,7 +171,7 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path, text, line, told):
 
 
 def test_a_last_stop_that_becomes_another_one_is_left_when_the_robot_has_passed_it():
-    """A step of an earlier stop keeps the robot at the last stop, and then stops are added."""
+    """While a step of an earlier stop keeps the robot at the last stop, stops are added."""
     going_on = replace(STEP, blocking=StepBlocking.NONE)
     work = work_of((WorkStop(1, steps=(going_on,)), WorkStop(2)), ())
     states = StopState.DONE, StopState.AT_WORK

@@ -27,7 +27,7 @@ from fleet_core.work.stops import (
 from fleet_core.work.tables import LOAD, STEP, STOP, StepState, StopState
 from route_protocol.steps import Word
 
-MOST = None if is_whole(__file__) else 6_000  # states that a search visits
+MOST = None if is_whole(__file__) else 6_000  # number of states that a search visits
 KNOWN = (Word.DONE, Word.FAILED)
 
 

@@ -4,8 +4,8 @@ memory of the robot.
 The state of the world includes facts that no program knows: the step that is being carried out, how
 often each step was carried out, and the load of the robot. Messages may be late, lost, repeated and
 reordered: a message may arrive at any time after it was sent, any number of times. The manager may
-be ended between any two events; it then continues from its stored data. The robot's driver may be
-restarted: it forgets its steps, and a step under way may or may not have been carried out.
+end between any two events; it then continues from its stored data. The robot's driver may restart:
+then it forgets its steps, and it is open whether a running step was carried out.
 
 People look before they answer, so their answers are true.
 """
@@ -36,7 +36,7 @@ from route_protocol.steps import ActorState, Reaction, StepCommand, StepReport, 
 
 SERIAL = 7
 AWAY = 0
-LATER = 10 ** 9   # ms: at this time all timeouts are over, and the time for ending steps early too
+LATER = 10 ** 9   # ms: at this time all timeouts are over, and also the time for ending steps early
 NOT_MUCH_LATER = 1500
 NO_WAY = 'no way'
 FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
@@ -45,7 +45,7 @@ FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
 class Body(NamedTuple):
     """The true progress of one step.
 
-    key   -- the key under which the step is being carried out; 0: it is not being carried out
+    key   -- the key under which the step is carried out now; 0: it is not carried out now
     times -- how often the step was carried out
     """
 
@@ -57,8 +57,8 @@ class Body(NamedTuple):
 class State(NamedTuple):
     """The whole world. `memory` is the manager's memory, `disk` the data that it has stored.
 
-    orders -- how many commands to begin a step were given
-    bodies -- by the type of the step; each type has only one step
+    orders -- number of commands to begin a step that were given
+    bodies -- the bodies, by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """
 
@@ -96,7 +96,7 @@ class Bounds:
 
     fail   -- how often the mission becomes impossible
     others -- the other stops that a person gives
-    orders -- how many commands to begin a step there may be
+    orders -- maximum number of commands to begin a step
     last   -- the highest key that the robot has taken for other missions
     """
 
@@ -171,8 +171,8 @@ class States:
     """The states that were visited, each once, with the event that led to it.
 
     Equal parts of states are one object, so the identity of the parts is enough to compare states.
-    Nearly all parts of a state come from the state before it. Their identity is known already, so
-    no hash of their contents is computed.
+    Nearly all parts of a state come from the previous state. Their identity is known already, so no
+    hash of their contents is computed.
     """
 
     def __init__(self) -> None:
@@ -250,7 +250,7 @@ def _search(bounds: Bounds, live: bool, most: Optional[int]) -> Found:
 
 
 def _without_what_is_lost(state: State, once: Once) -> State:
-    """The state without messages that have no effect any more, whenever they arrive."""
+    """The state without the messages that will have no effect, whenever they arrive."""
     return state._replace(
         sent=once(_with_effect, state.sent, state.actor),
         told=state.told if state.left[0] else once(_newer, state.told, state.known))
@@ -317,7 +317,7 @@ def _manager(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, St
 
 def _sent(sent: FrozenSet[StepCommand], work: Work,
           report: StepReport) -> FrozenSet[StepCommand]:
-    """The messages on their way after the manager has sent the commands that are due."""
+    """The messages on their way after the manager has sent the due commands."""
     return sent | set(rules.commands(work, report))
 
 
@@ -386,7 +386,7 @@ def _begun(state: State, command: StepCommand, bounds: Bounds) -> State:
 
 
 def _over(state: State, step: str, happened: bool, bounds: Bounds) -> State:
-    """The state after a step has stopped; `happened`: it was carried out."""
+    """The state after a step has stopped; `happened`: the step was carried out."""
     effect = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[
         bounds.steps[step].load]
     after = state.with_body(step, Body(0, False, state.body(step).times + happened))
@@ -470,7 +470,7 @@ def _limited(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, St
 
 
 def check(before: State, after: State, name: str, bounds: Bounds, once: Once) -> None:
-    """Raises Flaw if an event did what must not happen."""
+    """Raises Flaw if an event did something that must not happen."""
     load, carried = after.memory.load, after.carried
     moves_load = any(bounds.steps[step].load for step in after.running)
     if load.state is LoadState.EMPTY and (carried or moves_load):

@@ -14,9 +14,9 @@ from route_protocol.devices import (
     DeviceUse,
 )
 
-MOST_USES = 200      # in one report; a report with more uses is refused
-LONGEST_NAME = 100   # letters of the names of devices and requesters
-_LONGEST_TEXT = 500  # letters of a reason that are kept
+MOST_USES = 200      # maximum number in one report; a report with more uses is refused
+LONGEST_NAME = 100   # maximum number of letters in the name of a device or requester
+_LONGEST_TEXT = 500  # maximum number of letters of a reason that are kept
 
 _REQUESTED = (DeviceMode.CLOSED, DeviceMode.OPEN)
 

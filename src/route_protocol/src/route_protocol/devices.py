@@ -1,14 +1,14 @@
 """Doors, lights and other devices: the requests for them, and the reports of `fleet_devices`.
 
-A requester holds a device open with one request, and gives it back with another. Its requests have
+A requester holds a device open with one request, and releases it with another. Its requests have
 *numbers*, which only grow, even after a restart. Each request is taken once: if its number is not
 above the last number of this requester, it is a repetition. So a requester repeats its newest
-request until a report shows its number, even a request that gives the device back.
+request, even one that releases the device, until a report shows the number of this request.
 
 A report that says OPEN shows only requests that were taken before the device was read. So a
 requester that finds its newest number in such a report knows that the device was read open after
-the request. Reports have the number of a run and a count, so that an old report is never taken for
-a new one, however late it comes.
+the request. Reports have the number of a run and a count. So an old report is never taken for a new
+one, even if it arrives very late.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from enum import IntEnum
 from typing import Optional, Tuple
 
 UNKNOWN_REQUESTER = 'unknown'
-"""Stands for a requester after the memory is lost: an unknown robot may be in the device."""
+"""Stands for any requester after the memory was lost: an unknown robot may be in the device."""
 
 
 class DeviceMode(IntEnum):
@@ -40,7 +40,7 @@ class DeviceFault(IntEnum):
 
 @dataclass(frozen=True)
 class DeviceRequest:
-    """The mode that a requester wants: OPEN, or CLOSED to give the device back."""
+    """The mode that a requester wants: OPEN, or CLOSED to release the device."""
 
     requester: str
     device: str
@@ -97,13 +97,13 @@ class DeviceReport:
         return next((use for use in self.obeyed if use.requester == requester), None)
 
     def shows(self, request: DeviceRequest) -> bool:
-        """Returns whether this request has been taken; if not, it must be repeated."""
+        """Returns whether this request has been taken. If not, the requester must repeat it."""
         use = self.use_of(request.requester)
         return use is not None and use.number >= request.number
 
     def is_open_for(self, requester: str, number: int) -> bool:
-        """Returns whether the device was read open after this requester's request
-        with this number was taken.
+        """Returns whether a reading showed OPEN after the request `number` of this requester was
+        taken.
         """
         use = self.use_of(requester)
         return (self.mode is DeviceMode.OPEN and use is not None and use.holds

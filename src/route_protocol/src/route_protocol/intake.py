@@ -20,8 +20,8 @@ vehicle might drive waits here until the vehicle can decide. At most one route w
     |                            |                                  | is refused                   |
     | `patience` is over         | any                              | that route is refused        |
 
-So if two masters order routes, the later one gets the vehicle. The result is the same as if each
-order had been answered when it came. The earlier master is told that its route is refused.
+So if two masters order routes, the vehicle follows the later order. The result is the same as if
+each order had been answered when it came. The earlier master is told that its route is refused.
 """
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class DueOrder:
 
     given  -- the order as it arrived
     order  -- the same order with a number
-    done   -- number in the route record of the first edge of `rest`
+    done   -- number of the first edge of `rest` in the route record
     rest   -- the edges that the vehicle would still drive
     goes_on -- `rest` continues the route that the vehicle drives or has completed
     """
@@ -83,9 +83,9 @@ class WaitingRoute(NamedTuple):
 class Intake:
     """Receives the orders for a vehicle; see the docstring of the module.
 
-    take_up -- checks a due order against what only the vehicle knows, and takes it with
+    take_up -- checks a due order against what only the vehicle knows, and takes the order with
                `take_order`; raises RouteRefused or NotYet
-    tell    -- called with each refusal
+    tell    -- is called with each refusal
     patience -- s that a route may wait, at most ANSWERED_WITHIN
     """
 
@@ -143,7 +143,7 @@ class Intake:
         self._passed(due.given, before, now)
 
     def begin_epoch(self, cause: EpochCause, reason: Reason, now: float) -> None:
-        """Begins a new epoch that was not caused by an order.
+        """Begins a new epoch that no order has caused.
 
         reason -- why a running route fails
         """
@@ -193,8 +193,8 @@ def messages_of(refusal: RouteRefusal, state: VehicleState, report: Callable[[],
     """Returns what a vehicle sends about a refusal.
 
     A master that does not number its orders reads a refusal in a report that shows its route as
-    failed. If the vehicle's reports show a route with the same id, this report is not sent, because
-    the shown route goes on. Nor is it sent if the reports go to a numbering master.
+    failed. This report is not sent if the vehicle's reports go to a master with numbers, or if they
+    show a route with the same id, because the shown route goes on.
     """
     shows_route = bool(state.edges) and state.route_id == refusal.route_id
     if refusal.order or shows_route or state.master not in (None, OLD_MASTER):

@@ -3,16 +3,16 @@
 State
     epoch, report  -- of the newest report
     number         -- of the last order that was given
-    order, refused -- numbers in the newest report, for this master and epoch: of the last order
-                      that was taken, and the highest of the orders that were refused
-    done           -- number in the route record of the first edge that is not driven to its end
+    order, refused -- numbers in the newest report, for this master and epoch: the last order that
+                      was taken, and the highest of the orders that were refused
+    done           -- number, in the route record, of the first edge that is not driven to its end
     open           -- the orders that the vehicle follows, or may follow later
-    behind         -- edges that it has driven, but perhaps not left completely
-    held           -- edges that it may still be on until it stands
+    behind         -- edges that the vehicle has driven, but perhaps not left completely
+    held           -- edges that the vehicle may still be on, until it stands
     is_anywhere    -- another giver moves it; only its location says where it is
     commands       -- the vehicle counts this master's orders
-    unknown        -- if the journal is an older copy: number of an order; until the vehicle stands
-                      after that order, it may be anywhere. 0: the journal is no older copy
+    unknown        -- if the journal is an older copy: number of an order; the vehicle may be
+                      anywhere until it stands after this order. 0: the journal is not an older copy
     gap            -- two numbers; orders with numbers between them are in no journal that this run
                       has read
 
@@ -66,14 +66,14 @@ from route_protocol.values import (
 
 REPEAT = 1.0  # s after which an order that no report shows is sent again
 SKIPPED = 2 ** 40
-"""How many numbers a master skips when a report shows an order unknown to it: 35 years in ms.
+"""How many numbers a master skips if a report shows an order that it does not know: 35 years in ms.
 
-If the journal is lost and the clock was set back, orders may be on their way whose numbers are
-larger than any that the vehicle shows. The clock that gave these numbers was ahead of the present
-one, but by less than 35 years.
+If the journal was lost and the clock set back, orders with larger numbers than any that the vehicle
+shows may be on their way. The clock that gave these numbers was ahead of the present clock, but by
+less than 35 years.
 """
 _LARGEST_LABEL = 2 ** 31 - 1
-# After an edge with a larger number, there are too few numbers for a route of MAXIMUM_EDGES.
+# After an edge with a larger number, too few numbers are left for a route of MAXIMUM_EDGES.
 _LAST_EDGE = LARGEST_RECORD_NUMBER - MAXIMUM_EDGES
 
 SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
@@ -166,7 +166,7 @@ class MasterState:
 
     @cached_property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges of the route `farthest` that are not driven yet, with the edge under way."""
+        """The edges of the route `farthest`, from the edge that the vehicle drives now."""
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
 
@@ -224,7 +224,7 @@ class News:
     was_shorter -- the newest refused order stopped the vehicle or shortened its route
     stands   -- the vehicle stands, and the report has its place
     is_older -- the journal is an older copy: the report shows an order that is not in it
-    is_repeat -- the report changes nothing but its own number
+    is_repeat -- the report changes nothing except its own number
     """
 
     is_new: bool = False
@@ -303,7 +303,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
 
 def _may_be_anywhere(state: MasterState, said: RouteReport, read: _Reading, stands: bool,
                      knows_where: bool) -> bool:
-    """Returns whether the vehicle may be where no order of this master led it."""
+    """Returns whether the vehicle may be at a place to which no order of this master led."""
     return not stands and _is_moved_otherwise(said, read.is_mine) or (
         state.is_anywhere and not knows_where)
 
@@ -331,13 +331,13 @@ def _is_on_open_route(said: RouteReport, read: _Reading, still: Tuple[Order, ...
 
 
 def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
-    """Returns whether anything but an order of this master moves the vehicle."""
+    """Returns whether something other than an order of this master moves the vehicle."""
     return said.motion is Motion.MOVED or not is_mine and said.motion in (
         Motion.ON_ROUTE, Motion.COMING_TO_REST)
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """Returns the edges of its present order that the vehicle drove since the previous report."""
+    """Returns the edges of the vehicle's order that it has driven since the previous report."""
     if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
@@ -369,7 +369,7 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
-    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
+    """Returns whether the vehicle may obey an order that the journal lacks, according to a report.
 
     If a newer order was taken, the vehicle obeys none of these orders.
     """
@@ -404,7 +404,7 @@ def left(state: MasterState, number: int) -> MasterState:
 
 def give_route(state: MasterState, number: int, edges: Tuple[int, ...],
                route_id: int) -> MasterState:
-    """Returns the state after the order to drive these edges; the first is the one under way."""
+    """Returns the state after an order to drive these edges, beginning with the present edge."""
     order = Order(number, state.epoch, state.done, edges, route_id)
     return replace(state, number=number, open=(*state.open, order))
 

@@ -26,11 +26,11 @@ from route_protocol.values import (
 
 Kind = TypeVar('Kind', bound=IntEnum)
 
-_LONGEST_REASON = 500  # characters of a robot's reason that are kept
+_LONGEST_REASON = 500  # maximum number of characters kept of a robot's reason
 _LONGEST_NAME = 256
 _LONGEST_SOFTWARE = 80
 
-_LAST_NUMBER = 2 ** 63  # a report is refused if one of its numbers is not below this
+_LAST_NUMBER = 2 ** 63  # a report with a number that is not below this is refused
 
 _UNKNOWN = VehicleLocation(math.nan, math.nan, math.nan)
 
@@ -96,7 +96,7 @@ def report_of(message: Any) -> RouteReport:
     """Returns the report in an `itrci_nav_msgs/ExecutionRouteStates`.
 
     Raises WrongReport for a state that does not exist. An unknown motion becomes UNKNOWN, and an
-    unknown cause NONE, so that a later definition of the message can add motions and causes.
+    unknown cause becomes NONE, so that later versions of the message can add motions and causes.
     """
     try:
         states = tuple(EdgeState(edge.state) for edge in message.edge_states)
@@ -136,7 +136,7 @@ def location_of(message: Any) -> Optional[VehicleLocation]:
 
 
 def software_of(message: Any) -> str:
-    """Returns the robot's software in an `itrci_nav_msgs/ExecutionRouteStates`; empty: not given.
+    """Returns the robot's software from an `itrci_nav_msgs/ExecutionRouteStates`; empty: none.
 
     Only people use this text, so a `RouteReport` does not have it.
     """

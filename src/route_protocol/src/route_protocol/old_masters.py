@@ -35,7 +35,7 @@ from route_protocol.values import (
 )
 from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, Vehicle, VehicleState
 
-LATE_ORDER = 2.0  # s that an order may take to arrive
+LATE_ORDER = 2.0  # s that an order may need to arrive
 _LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
                                     'began: send it again')
 
@@ -50,20 +50,20 @@ class OldMasters:
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
-        """Notes that an order of any master was taken: older orders are late from now on.
+        """Notes that an order of any master was taken. From now on, older orders count as late.
 
-        A late order does not make the stamp of `last` older.
+        The stamp of `last` never becomes older.
         """
         last = self.last or RouteOrder(0, ())
         stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp
         self.last = replace(last if order.order else order, stamp=stamp)
 
     def refused(self, order: RouteOrder, reason: Reason) -> None:
-        """Notes that a route was refused: if it comes again, it is refused again."""
+        """Notes that a route was refused. If the same route arrives again, it is refused again."""
         self._refused = (order, reason)
 
     def epoch_began(self, now: float) -> None:
-        """Notes that a new epoch began at `now` (s), not caused by an order of an old master."""
+        """Notes that a new epoch began at `now` (s) that no order of an old master has caused."""
         self._epoch_began = now
 
     def answer(self, order: RouteOrder, vehicle: Vehicle, now: float) -> Judgement:
@@ -103,7 +103,7 @@ class OldMasters:
 
     @staticmethod
     def changes_route(order: RouteOrder, state: VehicleState) -> bool:
-        """Returns whether the order changes the route in force, and does not begin another one."""
+        """Returns whether the order changes the route in force; False: it begins another route."""
         return (order.route_id == state.route_id and bool(state.edges)
                 and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
 
@@ -127,7 +127,7 @@ def _ignored(why: str) -> Judgement:
 
 
 def is_late(order: RouteOrder, last: RouteOrder) -> bool:
-    """Returns whether the order was sent before the last accepted order, which overtook it.
+    """Returns whether the order was sent before the last accepted order, but arrived after it.
 
     If the clock of this computer is behind the stamp of the last accepted order, the clock was set
     back. Then the stamps cannot be compared.

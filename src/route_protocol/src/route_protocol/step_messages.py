@@ -8,8 +8,8 @@ from typing import Any, Type
 
 from route_protocol.steps import ShownStep, StepAct, StepCode, StepCommand, StepReport, Word
 
-MOST_STEPS = 1000      # in one report; a report with more steps is refused
-_LONGEST_TEXT = 500    # characters of a robot's text that are kept
+MOST_STEPS = 1000      # maximum number in one report; a report with more steps is refused
+_LONGEST_TEXT = 500    # maximum number of characters kept of a robot's text
 
 
 class WrongStepMessage(ValueError):

@@ -1,16 +1,16 @@
-"""Steps: the work of a robot besides driving, as its master orders it and the robot shows it.
+"""Steps: all work of a robot except driving, as the master orders it and the robot shows it.
 
 A device that hands over to robots carries out steps in the same way: it is then the "robot" below.
 
 A master orders a step with a command that has a *key*. Keys only grow, even after a restart of the
-master. The robot takes each key once: if the key of a command is not above the last one, the
+master. The robot takes each key once: if the key of a command is not above the last key, the
 command is a repetition. So a master repeats a command until the robot shows its key, and the step
 is carried out at most once. The master sends the command with the next key only when the robot
 shows the previous key.
 
 The robot draws a number, its *run*, when it starts, and shows it. A command names the run that the
-master knows. A robot that has started again since then does not obey the command, because it does
-not know whether it has carried out this step already.
+master knows. If the robot has started again since then, it does not obey the command, because it
+does not know whether it has carried out this step already.
 
     | command                            | the robot                                    |
     |------------------------------------|----------------------------------------------|
@@ -29,7 +29,7 @@ from typing import NamedTuple, Optional, Tuple
 
 KEPT = 20  # number of ended steps that a robot shows
 HAND_OVER = 'handshake'  # the type of the steps that a device carries out
-MOST_KEY = 2 ** 53 - 1  # the highest key: every reader of messages and of JSON can hold it
+MOST_KEY = 2 ** 53 - 1  # the highest key that all readers of messages and of JSON can hold
 
 
 class StepAct(IntEnum):
@@ -74,9 +74,9 @@ class StepCommand:
     """A command for one step.
 
     known_run  -- the robot's run, as the master knows it
-    type       -- name of the kind of work; empty unless DO
+    type       -- name of the kind of work; empty for commands other than DO
     parameters -- names and values
-    timeout    -- s after which the master does not wait for the end any more
+    timeout    -- s that the master waits for the end of the step
     """
 
     key: int
@@ -160,7 +160,7 @@ class ActorState:
             else step for step in self.steps))
 
     def report(self) -> Tuple[ActorState, StepReport]:
-        """Returns the memory after a report, and the report."""
+        """Returns the memory after the next report, and this report."""
         after = replace(self, number=self.number + 1)
         return after, StepReport(self.run, after.number, self.last, self.steps)
 

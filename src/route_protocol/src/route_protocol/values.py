@@ -16,11 +16,12 @@ LARGEST_RECORD_NUMBER = 2 ** 32 - 1
 
 @dataclass(frozen=True)
 class RouteOrder:
-    """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop.
+    """An order to drive `edges` (signed ids) in the given sequence; without edges: an order to
+    stop.
 
-    route_id    -- a label of the route for people; for masters that do not number their orders, it
-                   distinguishes routes
-    known_epoch -- the vehicle's epoch in the report on which the master based the order; 0: none
+    route_id    -- a label of the route for people; if a master does not number its orders, the
+                   label distinguishes its routes
+    known_epoch -- the epoch in the vehicle's report on which the master based the order; 0: none
     order       -- number of the order, which grows; 0: the master does not number its orders
     first       -- number of `edges[0]` in the vehicle's route record
     master      -- the program that gave the order
@@ -57,7 +58,7 @@ class RouteOrder:
 
 
 ANSWERED_WITHIN = 4.0
-"""A robot accepts or refuses an order within this time (s) after the first reception."""
+"""A robot accepts or refuses an order within this time (s) after it first received the order."""
 
 
 class EdgeState(IntEnum):
@@ -153,9 +154,9 @@ class Motion(IntEnum):
     STANDING = 1
     """The vehicle stands, and has nothing to drive."""
     ON_ROUTE = 2
-    """The vehicle drives a route of the master that its report names, or waits on this route."""
+    """The vehicle drives a route of the master named in its report, or waits on this route."""
     COMING_TO_REST = 3
-    """The vehicle lost a route of the master that its report names, and may still roll along it."""
+    """The vehicle lost a route of the master named in its report, and may still roll along it."""
     MOVED = 4
     """Another giver or a person moves the vehicle."""
 
@@ -181,7 +182,7 @@ class RouteReport:
 
     stamp    -- time of the reported position
     location -- the reported position in the map frame; None: unknown
-    epoch    -- number of the vehicle's epoch; compare it for equality only; 0: unknown
+    epoch    -- number of the vehicle's epoch, to be compared only for equality; 0: unknown
     cause    -- why that epoch began
     master   -- the master whose orders `order` and `refused` count; empty: no numbering master
     order    -- number of the last order that was taken in this epoch
@@ -235,7 +236,7 @@ class RouteReport:
 
 @dataclass(frozen=True)
 class RouteRefusal:
-    """The refusal of an order, as people read it. The master reads the refusal in a report."""
+    """The refusal of an order, for people. The master reads the refusal in a report."""
 
     route_id: int
     edges: Tuple[int, ...]

@@ -1,13 +1,13 @@
 """The vehicle's end of the route protocol: which orders it takes, and what it reports.
 
 State
-    epoch    -- number of the epoch; a new epoch begins whenever orders that are on their way must
-                not be obeyed any more
+    epoch    -- number of the epoch; when orders on their way must not be obeyed any more, a new
+                epoch begins
     master   -- the program whose orders are counted; None: none yet. OLD_MASTER stands for all
                 masters that do not number their orders
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
-    done     -- number in the route record of the first edge that has not been driven to its end
+    done     -- number, in the route record, of the first edge that is not driven to its end
     route    -- the edges of `order`, counted in the record from `first` on, and its phase
 
 Events and what follows
@@ -46,9 +46,9 @@ Invariants
     - A route in force was decided in this epoch, or it began this epoch.
     - A stop is never refused, even if it names an older epoch.
 
-The caller judges what only the caller can know: whether the route begins where the vehicle is, and
-whether the vehicle can brake in time. The caller stores `state` before the vehicle acts. A vehicle
-that lost its route may still roll: new routes wait until it stands.
+The caller judges two things that only the caller can know: whether the route begins where the
+vehicle is, and whether the vehicle can brake in time. The caller stores `state` before the vehicle
+acts. A vehicle that lost its route may still roll: new routes wait until it stands.
 """
 from __future__ import annotations
 
@@ -80,7 +80,9 @@ OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
 SKIPPED_REPORTS = 60_000
-"""How many report numbers a restart skips (1 min in ms): the last numbers may not be stored."""
+"""How many report numbers a restart skips (1 min in ms), because the last numbers may not be
+stored.
+"""
 
 
 def draw_epoch() -> int:
@@ -117,7 +119,7 @@ class VehicleState:
 
     @property
     def is_running(self) -> bool:
-        """Whether a route is being driven."""
+        """Whether the vehicle drives a route."""
         return self.phase is Phase.RUNNING
 
     @property
@@ -127,7 +129,7 @@ class VehicleState:
 
     @property
     def ahead(self) -> Tuple[int, ...]:
-        """The edge under way, and the edges of the route after it."""
+        """The edge that the vehicle drives now, and the edges of the route after it."""
         return self.edges[self.completed:]
 
 
@@ -163,7 +165,7 @@ _IGNORED, _STOP = Judgement(Answer.IGNORED), Judgement(Answer.STOP)
 class Vehicle:
     """The vehicle's end; see the docstring of the module.
 
-    draw  -- returns the number of a new epoch, which was never used before
+    draw  -- returns a number for a new epoch that was never used before
     clock -- returns ms since 1970; the number of a report is never smaller
     state -- the state from before a restart; None: the vehicle starts without its memory
     """
@@ -181,7 +183,7 @@ class Vehicle:
         self.state = replace(state, report=_behind(state.report))
 
     def forget(self, state: VehicleState, reason: Reason) -> None:
-        """Starts without memory, except that reports still show the old route.
+        """Starts without memory of orders. Reports still show the old route.
 
         state -- a state from before the restart, but perhaps not the last one
         reason -- why a running route fails
@@ -280,14 +282,14 @@ class Vehicle:
             self.state = replace(self.state, phase=Phase.FAILED, reason=reason)
 
     def leave_route(self) -> None:
-        """Notes that the master itself moved or stopped the vehicle, past its routes. It decides
-        its next orders after that, so no epoch begins.
+        """Notes that the master itself moved or stopped the vehicle without a route. The master
+        decides its next orders later than this, so no epoch begins.
         """
         if self.state.phase is Phase.COMPLETE:
             self.state = replace(self.state, phase=Phase.STOPPED)
 
     def begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
-        """Begins a new epoch: no order that is on its way is obeyed any more.
+        """Begins a new epoch: the vehicle obeys no order that is on its way now.
 
         reason -- why a running route fails
         """
@@ -326,12 +328,12 @@ def _can_be_counted(order: RouteOrder) -> bool:
 
 
 def _behind(report: int) -> int:
-    """Returns a number above all numbers that may have been drawn since `report` was stored."""
+    """Returns a number above all report numbers that may have been drawn since `report`."""
     return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
 
 
 def _wrong(order: RouteOrder) -> Reason:
-    """Returns why a route with a number can never be driven; no reason: it can."""
+    """Returns why a route with a number is refused in any case; no reason: it is not."""
     if not order.known_epoch:
         return Reason(ReasonCode.OVERRULED, 'it has a number, but does not name the epoch in which '
                                             'it was decided (known_epoch)')

@@ -19,7 +19,7 @@ _FILE = ('clearance', 'dock_approach', 'robot_types', 'robots')
 _TYPE = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
 _ROBOT = ('name', 'type', 'vertex', 'driver', 'absent', 'start', 'host', 'arcl_port',
           'outgoing_port', 'password_file', 'computer', *_SETTINGS)
-_IGNORED = ('stopping',)  # fleet files of 1.0.0 have it
+_IGNORED = ('stopping',)  # fleet files of version 1.0.0 have this key
 
 
 def check_keys(root: yaml.Node) -> None:

@@ -5,7 +5,7 @@
     robots:
     - {name: truck_1, type: truck, vertex: 8, charge_below: 0.4}
 
-A setting of a robot overrides that of its type. RobotSettings explains each setting.
+A setting of a robot overrides the setting of its type. RobotSettings explains each setting.
 """
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ _STEP = ('type', 'parameters', 'when', 'actor', 'blocking', 'timeout', 'on_failu
 
 
 class StopsFile(NamedTuple):
-    """The stops of a mission, and those that may follow a cancellation."""
+    """The stops of a mission, and the stops that may follow its cancellation."""
 
     stops: Tuple[WorkStop, ...]
     on_cancel: Tuple[WorkStop, ...] = ()

@@ -13,7 +13,7 @@ from trajectory_graph.strict_yaml import Field, WrongYaml
 Word = TypeVar('Word', bound=Enum)
 Entry = TypeVar('Entry')
 ReadEntry = Callable[[str, yaml.Node, Dict[str, yaml.Node]], Entry]
-"""Reads one of several named elements from its name, its node and its fields."""
+"""Reads a named element of a list. The arguments are its name, its node and its fields."""
 
 
 def meant(word: str, known: Collection[str]) -> str:
@@ -32,7 +32,7 @@ def known_fields(node: yaml.Node, what: str, known: Sequence[str]) -> Dict[str, 
 
 
 def word(fields: Dict[str, yaml.Node], name: str, kind: Type[Word], default: Word) -> Word:
-    """Returns the member of an enum that a field names, in small letters. Raises WrongYaml."""
+    """Returns the member of an enum that a field names in small letters. Raises WrongYaml."""
     if name not in fields:
         return default
     text = strict_yaml.text((name, fields[name]))

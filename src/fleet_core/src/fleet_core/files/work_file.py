@@ -228,7 +228,7 @@ def _chargers(fields: Dict[str, yaml.Node], names: Container[str],
 def _check_station_name(name: str, places: Sequence[int], graph: Graph, node: yaml.Node) -> None:
     """Raises WrongYaml for a name that could be mistaken for a vertex, or for an option.
 
-    People and programs name a station where they could name a vertex (`stations.places_of`).
+    A command may have the name of a station in place of a vertex (`stations.places_of`).
     """
     if name.isdecimal() or name.startswith('-'):
         raise WrongYaml(f'station {name!r} needs a name that is no number and does not begin with '

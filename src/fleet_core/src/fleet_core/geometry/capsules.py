@@ -12,8 +12,8 @@ import numpy as np
 
 def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.ndarray,
                 distance: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the times at which points moving from `start` to `end` are in capsules
-    `first`..`last`.
+    """Returns the times at which points are in capsules. Each point moves from `start` to `end`;
+    its capsule reaches from `first` to `last`.
 
     All are (2,N) in m, `distance` is (N,). Time runs from 0 to 1. Returns entries and exits (N,).
     If the entry is greater than the exit, the point is never nearer than the distance.
@@ -24,8 +24,8 @@ def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.
                  _within_disc(start - last, path, distance),
                  _within_rectangle(start - first, path, last - first, distance)):
         low, high = np.maximum(part[0], 0.0), np.minimum(part[1], 1.0)
-        # A part that is entered only at the very end, or left at the very beginning, does not
-        # count.
+        # If a point enters a part only at the very end, or leaves it at the very beginning, the
+        # part does not count.
         absent = (part[0] >= part[1]) | (part[0] >= 1.0) | (part[1] <= 0.0)
         low[absent], high[absent] = np.inf, -np.inf
         entry, exit = np.minimum(entry, low), np.maximum(exit, high)
@@ -52,7 +52,7 @@ def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
                       width: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Returns the times at which offset + t path is in a rectangle.
 
-    The rectangle reaches from 0 along the whole `axis`, and `width` to either side of it.
+    The rectangle reaches from 0 along the whole `axis`, and by `width` to either side of the axis.
     """
     length = np.hypot(axis[0], axis[1])
     unit = axis / np.where(length > 0.0, length, 1.0)

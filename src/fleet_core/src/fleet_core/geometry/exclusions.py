@@ -4,8 +4,8 @@ A robot that waits holds a vertex. A robot that drives holds a whole edge, both 
 because it may come to rest anywhere on it. The part behind the robot becomes free piece by piece:
 each pair of places has a *clear fraction* of the drive, after which the other place is free.
 
-Robots are discs, and their true curves count. So edges exclude each other if they meet, run near
-each other, or cross without a vertex. Vertices exclude edges that pass too near.
+Robots are discs, and the true curves of the edges count. So edges exclude each other if they meet,
+run near each other, or cross without a vertex. Vertices exclude edges that pass too near.
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Approach(NamedTuple):
 
 
 class Conflicts(NamedTuple):
-    """For each place the places that exclude it at one distance; rows as in a CSR matrix.
+    """For each place, the places that exclude it at one distance, as rows of a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
     fractions of edge p, driven forward or backward, after which `other` is free again. They are 1
@@ -100,7 +100,7 @@ class Exclusions:
         """Returns the places that exclude one place for robots whose curves must stay `distance` m
         apart.
 
-        It makes lists, because for single places these are far faster than arrays.
+        The result is a list, because for a single place lists are far faster than arrays.
         """
         row = self._rows.get((distance, place))
         if row is None:
@@ -144,8 +144,8 @@ class Exclusions:
 
     def kept_free(self, line: Sequence[Tuple[float, float]], distance: float,
                   own: float) -> Dict[int, Tuple[float, float]]:
-        """Returns the places `near` a robot on this line, and all places of each group of `alone`
-        in which the robot is.
+        """Returns the places that `near` returns for a robot on this line. If the robot is in a
+        group of `alone`, also returns all places of that group.
 
         own -- m: the robot is at each place that is nearer to the line than this
         """
@@ -188,8 +188,8 @@ class Exclusions:
         return pairs.conflicts()
 
     def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
-        """Returns pairs for the edges at each vertex: a place that excludes the vertex excludes
-        these edges, too, at that end.
+        """Returns pairs for the edges at each vertex: a place that excludes the vertex also
+        excludes that end of these edges.
 
         Geometry gives the same result except for rounding, but the searches need it exactly.
         """
@@ -225,7 +225,9 @@ class _Pairs:
             self._new.append((place, other, low, high))
 
     def merge(self) -> None:
-        """Leaves one sorted entry for each pair, with a part that covers all its added parts."""
+        """Sorts the pairs, and leaves one entry for each pair. Its part covers all parts that were
+        added for the pair.
+        """
         columns = [(self.place, self.other, self.low, self.high), *self._new]
         place, other, low, high = map(np.concatenate, zip(*columns))
         self._new = []
@@ -319,7 +321,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns distances (m): of `points` (2,N) at the indices `one` from `others` at `other`."""
+    """Returns distances (m) between `points` (2,N) at indices `one` and `others` at `other`."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there
@@ -328,7 +330,7 @@ def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
 
 def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
                      distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns, for pairs of stretches, the pairs of their pieces that may be too near.
+    """Compares pairs of stretches. Returns the pairs of their pieces that may be too near.
 
     It returns three arrays: the number of the pair of stretches (ascending), the piece of the first
     stretch, the piece of the second one.

@@ -21,7 +21,7 @@ from trajectory_graph.shortest_paths import Road, nearest_first
 class Alone(NamedTuple):
     """Ids of edges and vertices. Only one robot at a time may be on them, however far apart.
 
-    The edges at the vertices belong to them, too.
+    The edges at these vertices belong to the group, too.
     """
 
     edges: FrozenSet[int]
@@ -43,7 +43,7 @@ class SiteGeometry:
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
         self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
         self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
-        """The number of each vertex, by its id. This number is also that of its place."""
+        """The number of each vertex, by its id. The place of the vertex has the same number."""
         self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
@@ -99,8 +99,8 @@ class SiteGeometry:
         return Approach(edges, frozenset(near) - {dock})
 
     def _near(self, dock: int, roads: List[List[Road]]) -> Dict[int, float]:
-        """Returns the distance (m) along the edges, by vertex, of all vertices that are nearer to
-        a dock than `dock_approach`.
+        """Returns all vertices that are nearer to a dock than `dock_approach`, each with its
+        distance (m) from the dock along the edges.
         """
         near = takewhile(lambda reached: reached.distance < self.dock_approach,
                          nearest_first(dock, roads.__getitem__))

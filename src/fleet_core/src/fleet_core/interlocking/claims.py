@@ -1,12 +1,12 @@
 """Claims: which robot may be where a resource is needed.
 
-A robot claims a resource before it is granted a place that needs it. The claim is on the disk
-before the device is asked, and before the place is granted. The claim has no time limit: it ends
-only when no place of the robot needs the resource any more. So no door closes on a robot that
+A robot claims a resource before it is granted a place that needs it. The claim is written to the
+disk before the device is asked, and before the place is granted. The claim has no time limit: it
+ends only when no place of the robot needs the resource any more. So no door closes on a robot that
 stands in it, not even after a restart.
 
-A robot claims what its allocation needs, what it wants, and what the journal says that it claims.
-The state of a claim is not stored. It follows from three facts:
+A robot claims what its allocation needs, what it wants, and what it claims according to the
+journal. The state of a claim is not stored. It follows from three facts:
 
     | facts                               | state     |
     |-------------------------------------|-----------|
@@ -116,12 +116,12 @@ class Claims:
                  clock: Callable[[], int] = lambda: 0) -> None:
         self.needs = needs
         self.open_for: Mapping[str, int] = {}
-        """By resource whose device freshly reports to be open, the number of the request that the
-        device obeys.
+        """The resources whose devices freshly report that they are open. The value is the number of
+        the request that the device obeys.
         """
         self._clock = clock
         self._number = number
-        # The three reasons for claims, by robot, without resources that the site has no more.
+        # The three reasons for claims, by robot. Resources that left the site are omitted.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
         # Until its allocation is known, a robot may need all that it claims in the journal.
@@ -186,10 +186,10 @@ class Claims:
 
         Empty: none does.
 
-        A robot that is already where a resource is needed may leave, even if its device is shut.
+        A robot that is already where a resource is needed may leave, even if the device is shut.
 
         is_inside -- the robot stands on the edge, between its ends
-        here      -- resources that the robot's present edge needs: it does not enter them anew
+        here      -- resources that the robot's present edge needs; the robot is in them already
         rest      -- the part of the edge that the robot has still to drive
         """
         needed = self.needs.of_edge(edge, rest)
@@ -218,11 +218,12 @@ class Claims:
             self._note(name)
 
     def want(self, name: str, edges: Sequence[int], rest: Rest = WHOLE) -> None:
-        """Notes that a robot asks for these signed edges, and for no others: it claims what they
+        """Notes that a robot asks for these signed edges and for no others. It claims what they
         need.
 
-        Edges that follow each other and each need something get their claims together or not at
-        all. The runs of such edges are taken in their order.
+        A run is a row of consecutive edges that all need something. The robot gets the claims for a
+        run together or not at all. The runs are taken in driving order, up to the first one without
+        claims.
 
         rest -- the part of the first edge that the robot has still to drive
         """
@@ -276,12 +277,12 @@ class Claims:
 
     @property
     def is_changed(self) -> bool:
-        """Whether claims are to be stored."""
+        """Whether claims must be stored now."""
         return bool(self._changed) or not self._is_begun
 
     @property
     def number(self) -> int:
-        """Number of the requests that follow from the next commit. It is stored with the claims."""
+        """The number that the requests after the next commit get. It is stored with the claims."""
         return self._number
 
     @property
@@ -294,8 +295,8 @@ class Claims:
         return {name: self._kept(name) for name in sorted(self._changed)}
 
     def stored(self) -> None:
-        """Notes that the claims of `to_store` are in the journal now, and makes the requests to
-        the devices whose claims have changed.
+        """Notes that the claims of `to_store` are in the journal now. Makes the requests to the
+        devices whose claims have changed.
         """
         told = set() if self._is_begun else set(self.needs.resources)
         self._is_begun = True

@@ -3,7 +3,7 @@
 The model proves for any number of robots that allocations stay apart, contain what robots may
 drive, and are in the journal (`test/interlocking/test_allocation_proof.py`). The proof holds for
 this program only if the program does what the model does. So after each event, this module maps the
-real state to the relations of the model, and checks the step from the state before:
+real state to the relations of the model, and checks the step from the previous state:
 
     | relation of the model       | real state                                                     |
     |-----------------------------|----------------------------------------------------------------|
@@ -17,7 +17,7 @@ The model of claims (`test/interlocking/test_claim_proof.py`) has these relation
     | stored_claim(robot, resource) | its claims in the journal                                    |
 
 The models also have relations for what robots really obey and for where they are. No program knows
-this; the simulations check it against their own robots.
+these two; the simulations check them with their own robots.
 """
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Conformance:
         self._stored: Dict[str, Allocation] = {}
         self._claims: Dict[str, FrozenSet[str]] = {}
         self._unclaimed: Dict[str, FrozenSet[str]] = {}
-        # by robot: the needs of its present and its stored allocation, until the allocation changes
+        # by robot: the needs of its present or its stored allocation, until the allocation changes
         self._needed: Dict[Tuple[str, bool], Tuple[Allocation, FrozenSet[str]]] = {}
 
     def granted(self, name: str, edges: Collection[int], claims: Claims,
@@ -197,7 +197,7 @@ class Conformance:
                       claims: Claims) -> Iterator[Violation]:
         """Yields what is wrong with claims. Only evidence may make claims exceed a capacity.
 
-        Whether it was evidence is known only if there is a check after each event.
+        Whether evidence was the cause is known only if there is a check after each event.
         """
         for name, robot in robots.items():
             allocation, stored = robot.master.allocation, self._stored.get(name)
@@ -207,7 +207,7 @@ class Conformance:
             new = NOTHING if before is None or self._every > 1 else now - needed - before
             over = frozenset(one for one in new if len(claims.holders(one))
                              > claims.needs.resources[one].capacity)
-            # A robot whose place has been unknown since the start claims again when it is known.
+            # A robot whose place is unknown since the start claims again when its place is known.
             unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
                 self._needs_of(name, stored, claims.needs, True) - claims.stored_of(name))
             for invariant, resources in (

@@ -1,4 +1,5 @@
-"""Held places: the places of the geometry that robots hold, and which of them exclude others."""
+"""Held places: the places of the geometry that robots hold, and which of them exclude each other.
+"""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
@@ -33,7 +34,7 @@ class HeldPlaces:
         self._at: Dict[RobotType, Dict[int, List[Tuple[str, HeldPlace]]]] = {}
 
     def places(self, name: str) -> Sequence[HeldPlace]:
-        """Returns the places that follow from a robot's edges and vertex, not from its areas."""
+        """Returns the places of a robot's edges and vertex. The places in its areas are omitted."""
         return self._held.get(name, ())
 
     def _places_of(self, allocation: Allocation) -> List[HeldPlace]:

@@ -36,7 +36,7 @@ from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Resource, Rest
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
-_REMEMBERED = 1000  # number of areas whose near places are kept
+_REMEMBERED = 1000  # number of areas for which the near places are kept
 
 
 class Gate(Enum):
@@ -134,11 +134,11 @@ class Interlocking:
     clearance   -- m that stays free between any two robots
     robots      -- all robots that the fleet manager knows, also those that left the fleet file
     conformance -- checks each step against the model; None: the steps are not checked
-    news        -- returns the names of the robots that changed since it was last called; None: any
-                   robot may have changed at any time
-    claims      -- the claims of the robots to the resources of the site; None: it has no resources
+    news        -- returns the names of the robots that changed since its last call; None: any robot
+                   may have changed at any time
+    claims      -- the claims of the robots to resources; None: the site has no resources
 
-    Its attributes have the facts on which a grant rests.
+    The attributes are the facts on which a grant rests.
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
@@ -157,7 +157,7 @@ class Interlocking:
         self.at_work: AbstractSet[str] = frozenset()
         """Names of the robots that must stand because of their steps."""
         self.not_to_enter: Mapping[str, int] = {}
-        """By robot, the vertex that it must not enter before a step has ended."""
+        """By robot, the vertex that this robot must not enter before a step has ended."""
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
         self._conformance = conformance
@@ -179,13 +179,14 @@ class Interlocking:
     # -- grants -----------------------------------------------------------------------------------
 
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
-        """Grants the longest beginning of these edges that the robot may have now.
+        """Grants the first of these edges: as many as the robot may have now.
 
         If a robot only lacks claims for an edge, it claims what the edge needs, and may have the
         edge later. Claims that it wanted for other edges end.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
-        in the same event, after it is stored on the disk. `not_stored` withdraws it.
+        in the same event, after it is stored on the disk. If it cannot be stored, `not_stored`
+        withdraws it.
 
         edges -- signed ids, in driving order; they follow all edges granted before
         renew -- use a new route id, for example for another mission
@@ -213,12 +214,14 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
-        """Returns the longest beginning of these edges for which the robot lacks only claims."""
+        """Returns the first of these edges, up to the edge for which the robot lacks more than
+        claims.
+        """
         return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns, for each robot, its first edges: as many as all robots may have together now.
+        """Returns for each robot as many of its first edges as all robots together may have now.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.
@@ -300,7 +303,7 @@ class Interlocking:
     # -- orders that are sent ---------------------------------------------------------------------
 
     def keep_out(self) -> List[str]:
-        """Ends routes in front of devices that do not report now that they are open.
+        """Ends routes in front of devices that do not report at present that they are open.
 
         Returns the names of the robots whose orders have changed. A robot that is where the device
         is needed may leave, and keeps its route.
@@ -321,7 +324,7 @@ class Interlocking:
     def _kept_out(self, robot: InterlockedRobot, begin: int, may_leave: bool) -> Optional[int]:
         """Returns the number of the first edge ahead that the robot may not enter; None: no edge.
 
-        begin     -- number of the first edge that counts
+        begin     -- number of the first edge that is checked
         may_leave -- the robot may drive on through the resources that its present edge needs
         """
         protocol, needs = robot.master.protocol, self.claims.needs
@@ -357,7 +360,7 @@ class Interlocking:
     def _is_held_back(self, robot: InterlockedRobot) -> bool:
         """Returns whether an order that lets a robot drive must wait.
 
-        A repeated order does not wait for the journal: it is stored already.
+        A repeated order does not wait for the journal, because it is stored already.
         """
         if self.is_stopped or robot.needs_person or (
                 bool(self.trouble) and robot.master.is_new_motion):
@@ -365,7 +368,7 @@ class Interlocking:
         if not self.claims.needs.has_devices:
             return False
         self._refresh()
-        # This order could lead the robot back to a device that it has left since its report.
+        # The robot may have left a device since its report. This order could lead it back.
         return self._kept_out(robot, robot.master.protocol.shown, may_leave=False) is not None
 
     def forget(self, name: str) -> None:
@@ -396,7 +399,7 @@ class Interlocking:
         return tuple(sorted(set(self._near_to(name, own, own.kind))))
 
     def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
-        """Returns whether `robot` at this position would be excluded by no other allocation."""
+        """Returns whether no other allocation would exclude `robot` at this position."""
         self._refresh()
         if position.vertex is not None:
             return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
@@ -404,7 +407,7 @@ class Interlocking:
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
     def without_room(self, robot: InterlockedRobot, kind: RobotType) -> str:
-        """Returns the name of a robot that is too near for this robot to become another type.
+        """Returns the name of a robot that would be too near if this robot became another type.
 
         Empty: there is none. In that case, robots whose stored allocations are too near must be
         stored, as after a grant.
@@ -421,21 +424,22 @@ class Interlocking:
         return ''
 
     def _near_to(self, name: str, own: Allocation, kind: RobotType) -> Iterator[str]:
-        """Yields the robots whose allocations would exclude `own` if its robot were a `kind`."""
+        """Yields robots whose allocations would exclude `own` if its robot had the type `kind`."""
         for held in self._holds.places(name):
             yield from self._holders(name, kind, held)
         for area in own.areas:
             yield from self._in_area(name, kind, area)
 
     def separate(self, is_starting: bool = False) -> List[str]:
-        """Stops robots that exclude each other since an allocation changed. Returns their names.
+        """Stops robots that exclude each other after an allocation changed. Returns their names.
 
         Nearly every report only removes places from an allocation. Then the robot excludes no
-        further robot, so it is compared again only if it excluded another one before.
+        further robot. So it is compared again only if it excluded another one before.
 
-        Grants never bring two robots too near to each other. Evidence can, and so can a robot that
-        drives its route again. In the second case a robot with nothing to drive is not stopped,
-        because it is granted nothing meanwhile. A robot that needs a person is stopped already.
+        Grants never bring two robots too near to each other. Evidence can do so, and a robot that
+        drives its route again can, too. In the second case a robot with nothing to drive is not
+        stopped, because it is granted nothing meanwhile. A robot that needs a person is stopped
+        already.
 
         is_starting -- robots that have not reported yet are left out: their places are known only
                        roughly
@@ -508,7 +512,7 @@ class Interlocking:
             if allocation is before:
                 continue
             self._known[name] = allocation
-            # A robot that may be anywhere is not compared itself, but others are compared with it.
+            # A robot that may be anywhere is not compared with others. Others are compared with it.
             if self._unknown or name in self._crowded or before is None or (
                     not allocation.is_within(before)):
                 self._to_compare.add(name)
@@ -520,7 +524,7 @@ class Interlocking:
 
 
 def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
-    """Returns whether the blocked part of a place overlaps the part that is still held.
+    """Returns whether the blocked part of a place overlaps the part that the robot still holds.
 
     part -- the blocked part, from one fraction to another; None: nothing is blocked
     """
@@ -599,7 +603,7 @@ def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """Refuses a closed edge, unless the robot is on it and leaves it, in either direction."""
+    """Refuses a closed edge, unless the robot is on this edge and leaves it in either direction."""
     closed = abs(asked.edge) in site.closed and not asked.is_inside
     return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
 
@@ -640,7 +644,7 @@ GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _does_not_work,
     _clock_is_right, _robot_is_known, _others_are_known, _last_order_is_settled,
     _robot_is_clear_of_others)
-"""All must be met before a robot is granted anything, even an edge that it holds already."""
+"""A robot must meet all of these before it is granted anything, even an edge that it holds."""
 
 LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
@@ -648,7 +652,7 @@ LASTING_GATES: Tuple[Condition, ...] = tuple(
 
 WITHOUT_CLAIMS: Tuple[Condition, ...] = (
     _edge_follows, _edge_is_open, _edge_is_open_to_load, _stop_may_be_entered, _place_is_free)
-"""The conditions for an edge that a robot must meet before it may claim what the edge needs."""
+"""A robot must meet these conditions for an edge before it may claim what the edge needs."""
 
 CONDITIONS: Tuple[Condition, ...] = (*WITHOUT_CLAIMS, _claims_are_ready)
-"""All must be met for each edge that a robot is granted, in addition to GATES."""
+"""A robot must meet these conditions for each granted edge, in addition to GATES."""

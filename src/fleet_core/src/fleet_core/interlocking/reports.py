@@ -1,4 +1,4 @@
-"""The reports of robots about their routes, as in the route protocol, and the check of them."""
+"""The reports of robots about their routes, as in the route protocol, and their check."""
 from __future__ import annotations
 
 import math
@@ -26,7 +26,7 @@ class Pose:
 
 
 def distance(graph: Graph, one: Pose, other: Pose) -> float:
-    """Returns the metres between two poses: along their common edge, or straight if there is none.
+    """Returns the distance (m) between two poses: along their common edge, or else straight.
 
     Infinite if a pose is off the graph.
     """
@@ -72,7 +72,7 @@ class Report:
 
     @property
     def is_ahead(self) -> bool:
-        """Whether the robot's clock is ahead of ours by more than clocks may differ."""
+        """Whether the robot's clock is ahead of ours by more than CLOCK_ERROR."""
         return self.age < -CLOCK_ERROR
 
     def located(self, graph: Graph) -> Optional[Point]:
@@ -128,7 +128,7 @@ class GraphPosition:
         return vertex.x, vertex.y
 
     def distance(self, graph: Graph, pose: Pose) -> float:
-        """Returns the metres to a pose: along the common edge, or straight if there is none.
+        """Returns the distance (m) to a pose: along the common edge, or straight if there is none.
 
         Infinite if the pose is off the graph.
         """
@@ -159,7 +159,7 @@ class GraphPosition:
 
 
 def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:
-    """Returns the position that a pose means: a vertex within `near` m, or the edge if none is.
+    """Returns the position that a pose means: a vertex within `near` m, or else the edge.
 
     None: the pose is off the graph.
     """

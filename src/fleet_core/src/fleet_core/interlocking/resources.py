@@ -1,4 +1,4 @@
-"""Resources: what places need besides room, such as a door that must be open.
+"""Resources: what places need in addition to room, such as a door that must be open.
 
 A door, an air lock, a light, a zone, a station or a charger is a resource. A robot may be in a
 place that needs a resource only with a claim to it (`claims`).
@@ -50,14 +50,14 @@ class Resource:
     def orders_plans(self) -> bool:
         """Whether plans keep an order of use for this resource.
 
-        They do if only one robot may claim it and it has several places. Without that order two
-        robots could be at these places at once.
+        They do if only one robot may claim the resource and it has several places. Without the
+        order of use, two robots could be at these places at once.
         """
         return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
 
 
 class Rest(NamedTuple):
-    """The rest of an edge, which a robot has still to drive.
+    """The part of an edge that a robot has still to drive.
 
     behind -- the fraction of the edge, in driving direction, that lies behind the robot's centre
     reach  -- m around its centre that the robot may cover
@@ -73,11 +73,11 @@ WHOLE = Rest()
 class Needs:
     """The resources that the places of one graph need.
 
-    An edge also needs what the vertices at its ends need, because a robot on it may stand there.
-    But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
-    robot covers that vertex. So a robot that a person put down on the edge may drive on while
-    another robot claims what the vertex behind it needs. A robot that claims this already keeps
-    the claim until it has left the edge.
+    An edge also needs what the vertices at its ends need, because a robot on the edge may stand
+    there. But the rest of an edge does not need the resources of the vertex behind the robot if no
+    part of the robot covers that vertex. So if a person puts a robot down on the edge, it may drive
+    on while another robot claims these resources. If a robot claims them already, it keeps the
+    claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
@@ -115,7 +115,8 @@ class Needs:
         return self._inside(edge) | self.of_vertex(self._ends(edge)[1])
 
     def _covers_start(self, edge: int, reach: float) -> float:
-        """Returns up to which fraction of a signed edge a robot covers the start of the edge."""
+        """Returns the fraction of a signed edge up to which a robot still covers the edge's start.
+        """
         known = self._covered.get((edge, reach))
         if known is None:
             start = self._geometry.graph.start_vertex(edge).position

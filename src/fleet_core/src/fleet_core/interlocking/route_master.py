@@ -57,10 +57,10 @@ ME = 'path_supervisor'
 MANUAL_REACH = 10.0
 # m that a standing robot may be beside the place where its route begins or ends
 BESIDE = NEAR + TREMBLE
-# While another giver moves a robot:
+# These values count while another giver moves a robot.
 _STEP = 0.5   # m: the area around the robot grows in steps of this size
-_SOON = 0.2   # s within which the area grows again; ticks come more often
-_SQUARE = 1.0  # m: the robot's location is stored when it comes into another square of this size
+_SOON = 0.2   # s: the area allows for this much more time; ticks come more often
+_SQUARE = 1.0  # m: a location is stored when the robot enters another square of this size
 
 Clock = Callable[[], int]
 """Returns ms since 1970."""
@@ -76,9 +76,9 @@ class Sending(NamedTuple):
 class Located(NamedTuple):
     """A location of the robot.
 
-    age      -- s for which the robot may have moved on before the report arrived
-    is_stray -- it was on no place that the robot had then. A stray location counts until two later
-                locations arrive
+    age      -- how long (s) the robot may have moved on before the report arrived
+    is_stray -- the location was on no place that the robot had then. A stray location counts until
+                two later locations have arrived
     """
 
     point: Point
@@ -93,7 +93,7 @@ class Located(NamedTuple):
 class Lost(NamedTuple):
     """Areas of edges that a robot held, and that the graph in force does not have.
 
-    until -- number of a stop: the areas end when the robot stands after it
+    until -- number of a stop; the areas end when the robot stands after this stop
     """
 
     areas: Tuple[Area, ...] = ()
@@ -130,8 +130,8 @@ class Heard:
 
     news    -- what the report changes about the orders
     passed  -- vertices passed since the last report, in order
-    cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
-    had_route -- the robot had a route before, or an order for one was on its way
+    cause   -- why a new epoch of the robot began; None: none began, or none was known before
+    had_route -- the robot had a route before, or an order for a route was on its way
     is_off_graph -- this report and the one before say that the robot is off the graph
     left    -- the robot stands, but not where it may be according to its orders
     expected -- if it has left: a clause that says where it was expected, and where it is
@@ -158,14 +158,15 @@ class RouteMaster:
     tell -- is called after each change, so that the interlocking reads the allocation again
 
     The class has one method for each event of the route, and one property for each question about
-    it. All read or change the same record: what is ordered, and where the robot may be.
+    the route. They all read or change the same record: what is ordered, and where the robot may be.
     """
 
     def __init__(self, record: RouteRecord, clock: Clock,
                  tell: Callable[[], None] = lambda: None) -> None:
         self.record = record
         self._clock, self._tell = clock, tell
-        # Number of the last order that may have been sent, and when this program sent it, if it did
+        # Number of the last order that may have been sent, and the time when this program sent it;
+        # -inf: this program has not sent it
         self._sent: Tuple[int, float] = (0, -math.inf)
         self._label = 0  # of the route that is being extended
         self.locations: Tuple[Located, ...] = ()
@@ -175,7 +176,7 @@ class RouteMaster:
         self._lost = NOT_LOST
         # Stamp and point of the newest location; None: the robot has not reported since the start.
         self._told: Optional[Tuple[float, Optional[Point]]] = None
-        self._strays = 0         # number of consecutive locations that were elsewhere
+        self._strays = 0         # number of consecutive locations that were stray
         self._off_graph = 0      # number of consecutive reports that were off the graph
         self._absent_since: Optional[float] = None  # the supervisor's time
         self.clock_is_off = False
@@ -206,7 +207,7 @@ class RouteMaster:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the robot was told to stop, and has not answered yet."""
+        """Whether the robot has an order to stop that it has not answered yet."""
         return self.protocol.is_stopping
 
     @property
@@ -224,7 +225,7 @@ class RouteMaster:
     def is_ready(self) -> bool:
         """Whether the robot may be given a route now.
 
-        If it stands elsewhere than expected, its next location must first confirm this place.
+        If it stands at an unexpected place, its next location must first confirm this place.
         """
         return self.protocol.is_ready and not self.has_lost_places and not (
             self._strays and self.record.is_standing)
@@ -248,8 +249,8 @@ class RouteMaster:
     def needs_stop(self) -> bool:
         """Whether the robot must be stopped before it can be given a route.
 
-        Its reports do not count the orders of this fleet manager yet, or the journal is an older
-        one, so that orders which it does not know may still reach the robot.
+        True if its reports do not count the orders of this fleet manager yet. Also true if the
+        journal is an older one: orders that are not in this journal may still reach the robot.
         """
         protocol = self.protocol
         return (not protocol.commands or bool(protocol.unknown)) and (
@@ -310,11 +311,11 @@ class RouteMaster:
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
-        """Returns whether a point is on a place that the robot has, within the accuracy with which
-        it stands or follows its edges.
+        """Returns whether a point is on a place that the robot has. The tolerance is the accuracy
+        with which the robot stands or follows its edges.
 
         When a robot begins a route, it is as far from the route as it was from the place where it
-        stood. The tolerance on edges allows for this, so a grant adds no place but its edges.
+        stood. The tolerance on edges allows for this, so a grant adds no place except its edges.
 
         position -- where the robot stands; None: it drives, or its place is not known
         """
@@ -355,7 +356,7 @@ class RouteMaster:
         return next_number(self.protocol, self._clock())
 
     def extend(self, edges: Sequence[int], renew: bool = False) -> None:
-        """Lets the robot drive more edges; `renew`: under a new label (for another mission)."""
+        """Lets the robot drive more edges; `renew`: with a new label, for another mission."""
         number = self._next_number()
         if renew or not self.record.ahead or not self._label:
             self._label = label_of(number)
@@ -364,10 +365,10 @@ class RouteMaster:
         self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
 
     def shorten(self) -> bool:
-        """Asks the robot to stop at the end of its edge. Returns whether it may still drive on
+        """Orders the robot to stop at the end of its edge. Returns whether it may still drive on
         beyond that edge.
 
-        If the robot refuses because it cannot brake in time, the next call asks it to stop at the
+        If the robot refuses because it cannot brake in time, the next call orders it to stop at the
         end of the following edge.
         """
         self._take_back_unsent()
@@ -382,11 +383,12 @@ class RouteMaster:
         return True
 
     def end_after(self, edges: int) -> bool:
-        """Lets the robot drive only so many of the edges ahead. Returns whether its orders change.
+        """Limits the route to the first `edges` of the edges ahead. Returns whether the orders
+        change.
 
         Routes that never left this program are withdrawn. If other orders give the robot more
-        edges, it is sent a shorter route, or a stop if no edge is left. A robot that refused such a
-        shorter route before keeps its route, because it cannot brake in time.
+        edges, it is sent a shorter route, or a stop if no edge is left. If the robot has refused
+        such a shorter route before, it keeps its route, because it cannot brake in time.
         """
         before = self.protocol
         self._take_back_unsent()
@@ -400,7 +402,7 @@ class RouteMaster:
         return self.protocol is not before
 
     def _cut(self, edges: int) -> None:
-        """Orders the route that ends after so many of the edges ahead."""
+        """Orders the route that ends after the first `edges` of the edges ahead."""
         self._set(give_route(self.protocol, self._next_number(), self.record.ahead[:edges],
                              self._label))
 
@@ -448,7 +450,7 @@ class RouteMaster:
     def begin_at(self, position: GraphPosition) -> None:
         """Notes that the next route begins at this position.
 
-        The robot may stand a little beside it.
+        The robot may stand a little beside this position.
         """
         self._beside = self.location
         self.record.stand(position)
@@ -475,7 +477,7 @@ class RouteMaster:
                       had_route)
         self._follow_news(news, said, before)
         heard.is_off_graph = self._off_graph >= 2
-        # A robot that may be anywhere cannot be at a wrong place.
+        # If a robot may be anywhere, no place is wrong for it.
         heard.is_located = self._locate(report, point, is_covered,
                                         is_stray and not before.unknown)
         self.clock_is_off = report.is_ahead
@@ -499,7 +501,7 @@ class RouteMaster:
     def _known(self) -> Tuple[object, ...]:
         """The state that a report may change even if it says nothing new about orders.
 
-        The reports of a waiting robot leave it the same, so nothing is computed anew.
+        The reports of a waiting robot do not change this state, so nothing is computed anew.
         `test_told_changes.py` finds a field that is missing here.
         """
         record = self.record
@@ -531,7 +533,7 @@ class RouteMaster:
                                     default=0)
         if news.cause is not None or news.failed or news.took and not said.edges:
             self.record.begin_anew()
-            self._cut_refused = 0  # a lower number may come again, for another edge
+            self._cut_refused = 0  # a lower number may follow, for another edge
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
         """Returns whether the robot counts as at its place, although it is not exactly there.
@@ -623,7 +625,7 @@ class RouteMaster:
     def _stored_locations(self) -> Tuple[Located, ...]:
         """The locations that matter after a restart.
 
-        While another giver moves the robot, they change only when the robot enters another square.
+        While another giver moves the robot, they change only if it enters another square.
         """
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
@@ -641,7 +643,7 @@ class RouteMaster:
         """Sets the state from before a restart."""
         number = memory.protocol.number
         self.record.cleared, self.record.protocol = memory.cleared, memory.protocol
-        # Numbers between these two are in no journal that this run has read.
+        # This run has read no journal that contains the numbers between these two.
         self.record.set_protocol(replace(memory.protocol, gap=(number, self._next_number())))
         self._sent = number, -math.inf
         self.record.position = memory.position
@@ -680,15 +682,15 @@ class RouteMaster:
         return True
 
     def become(self, kind: RobotType) -> None:
-        """Notes that the robot counts as one of another type, because of its load."""
+        """Notes that the robot counts as a robot of another type, because of its load."""
         self.record.kind = kind
         self._changed()
 
     def doubt(self) -> None:
         """Notes that the restored state comes from an older journal: the robot may be anywhere.
 
-        An order that the journal does not know may still be on its way. So the doubt ends when the
-        robot stands after a stop that is given from now on.
+        An order that is not in the journal may still be on its way. So the doubt ends when the
+        robot stands after a stop that is ordered later than this call.
         """
         self._absent_since = None
         self._set(replace(self.protocol, unknown=self._next_number()))
@@ -714,7 +716,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence if this location is newer than its begin. Returns whether it ended."""
+        """Ends the absence if this location is newer than the absence. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

@@ -44,8 +44,8 @@ class RouteRecord:
         """Number of times that the record was begun anew. A plan of an earlier generation is void.
         """
         self.cleared: Tuple[int, float] = (0, 0.0)
-        """Number of an edge, and a fraction of it: the path up to there is certainly behind the
-        robot.
+        """Number of an edge, and a fraction of this edge. The path up to this point is certainly
+        behind the robot.
         """
         self._slack = slack
         self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
@@ -54,7 +54,7 @@ class RouteRecord:
 
     @property
     def done(self) -> int:
-        """Number of the edge that is being driven."""
+        """Number of the edge that the robot drives now."""
         return self.protocol.done
 
     @property
@@ -64,12 +64,12 @@ class RouteRecord:
 
     @property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges that are not complete yet, beginning with the one that is being driven."""
+        """The edges that are not driven to their ends yet; the robot is driving the first one."""
         return self.protocol.ahead
 
     @property
     def held(self) -> Tuple[int, ...]:
-        """The path of the robot: the edges that it has not certainly left, and those ahead."""
+        """The path of the robot: the edges that it has not certainly left, and the edges ahead."""
         return tuple(step.edge for step in self._path)
 
     @property
@@ -119,7 +119,7 @@ class RouteRecord:
         return self.kind.nearness
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
-        """Returns the edges from number `begin` to before `end`, as far as the record has them.
+        """Returns the edges with the numbers `begin` to `end` - 1, as far as the record has them.
 
         The record still has the last edges that the robot has left, because a plan may be older.
         """
@@ -148,8 +148,8 @@ class RouteRecord:
     def set_protocol(self, protocol: MasterState) -> None:
         """Notes a change of what the robot may still do according to its orders.
 
-        A late copy of a stop from before the epoch sets the number of the edge under way back to
-        its value at that stop. Then no edge with that number or a higher one lies behind the robot.
+        A late copy of an old stop, from before the epoch, sets `done` back to its value at that
+        stop. Then no edge with that number or a higher one lies behind the robot.
         """
         self.protocol = protocol
         if self.cleared[0] > self.done:
@@ -168,12 +168,14 @@ class RouteRecord:
         self.cleared = (self.done, 0.0)
 
     def begin_anew(self) -> None:
-        """Notes that the robot lost its route, or another giver moved it: no plan fits any more."""
+        """Notes that the robot lost its route, or was moved by another giver. No plan fits any
+        more.
+        """
         self.generation += 1
         self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """Notes that the robot has driven these edges: the last ones before the edge under way.
+        """Notes that the robot has driven these edges, which come just before its present edge.
 
         Returns the ids of the vertices at their ends, in order.
         """
@@ -186,7 +188,7 @@ class RouteRecord:
         return vertices
 
     def leave(self, age: float) -> None:
-        """Computes what certainly lies behind the robot from its pose, which is `age` s old."""
+        """Computes what certainly lies behind the robot. Its pose is `age` s old."""
         ahead = self.ahead
         if not ahead or self.pose.edge != ahead[0]:
             return

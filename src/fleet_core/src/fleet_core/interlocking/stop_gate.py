@@ -9,8 +9,8 @@ from typing import Iterator, Sequence
 class StopGate:
     """While the gate is closed, only empty routes pass, regardless of their time and origin.
 
-    A stop closes the gate before the empty routes are sent. A route that was decided before the
-    stop, and that leaves a slow disk or a queue only after the stop, is held back here.
+    A stop closes the gate before the empty routes are sent. A route may be decided before the stop
+    and, after a slow disk or a queue, arrive here only after the stop. The gate holds it back.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,9 @@ class StopGate:
             self._is_closed = True
 
     def open(self, ticket: int) -> bool:
-        """Opens the gate unless there was a stop since the ticket. Returns whether it opened."""
+        """Opens the gate, unless there was a stop after this ticket. Returns whether the gate
+        opened.
+        """
         with self._lock:
             if ticket != self._stops:
                 return False

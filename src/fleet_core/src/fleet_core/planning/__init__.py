@@ -1,1 +1,1 @@
-"""Planning: routes for many robots, without conflict however late robots are. No ROS, no files."""
+"""Planning: routes for many robots, without conflicts even if robots are late. No ROS, no files."""

@@ -34,7 +34,7 @@ class Rests:
 
     @property
     def whole(self) -> FrozenSet[int]:
-        """All these vertices."""
+        """All vertices of both kinds."""
         return self.common | self.own
 
 
@@ -42,7 +42,8 @@ class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
     The searches read the attributes in their inner loops, so all values are computed before a
-    search begins. They are computed at first use, because a robot that keeps its plan needs none.
+    search begins. The tables are computed at first use, because a robot that keeps its plan needs
+    none.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to
@@ -76,12 +77,12 @@ class PathQuery:
 
     @cached_property
     def _paths(self) -> List[np.ndarray]:
-        """For each leg, the seconds (V,) from each vertex to its destination."""
+        """For each leg, the seconds (V,) from each vertex to the leg's destination."""
         return self.network.paths_to(self._kind, self.destinations)
 
     @cached_property
     def _beyond(self) -> List[float]:
-        """For each leg, the seconds from its destination to the last destination, with all stays.
+        """For each leg, the seconds from its destination to the last destination, stays included.
         """
         beyond = 0.0
         found: List[float] = []
@@ -102,7 +103,8 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex to its destination and then to all later ones.
+        """For each leg, the seconds from each vertex over the leg's destination to the last
+        destination.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
@@ -116,7 +118,7 @@ class PathQuery:
 
     @cached_property
     def lower_bound(self) -> float:
-        """The lowest cost of the robot without traffic; infinite: something is unreachable."""
+        """The lowest cost of the robot without traffic; infinite: it has no path."""
         bound = self.ready
         if self.legs:
             bound += self._beyond[0] + self.seconds_to(self._paths[0])
@@ -127,7 +129,7 @@ class PathQuery:
         return bound
 
     def seconds_to(self, path: np.ndarray) -> float:
-        """Returns the seconds from its start to a target, without traffic.
+        """Returns the seconds from the robot's start to a target, without traffic.
 
         path -- the seconds from each vertex to the target
         """
@@ -148,7 +150,7 @@ class PathQuery:
               until: float) -> Tuple[int, float, float]:
         """Serves the destination of a leg, and the next ones if they are at the same vertex.
 
-        Each is served only if the vertex is free for its whole stay.
+        A destination is served only if the vertex is free for the whole stay.
 
         Returns the next leg, the end of the last stay, and when the robot may leave.
         """
@@ -207,5 +209,5 @@ class Agent(NamedTuple):
     """Its position if it stands between two vertices; then `fixed` is empty."""
 
     def whole(self, plan: Plan) -> Plan:
-        """Returns all drives: the fixed ones and those of the plan."""
+        """Returns all drives: the fixed drives and the drives of the plan."""
         return [*self.fixed, *plan]

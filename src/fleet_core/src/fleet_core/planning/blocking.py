@@ -5,9 +5,9 @@ drive only while no other robot holds a conflicting place, and early enough to b
 the next robot. For each drive of one robot type, this module gives the slots that the drive blocks
 for another type:
 
-(slot, clear, lead): no robot may begin the drive `slot` from `lead` seconds before the blocking
-                     drive begins until the fraction `clear` of the blocking drive is driven. If
-                     `slot` is for waiting, no robot may wait there, and `lead` is 0.
+(slot, clear, lead): no robot may begin the drive `slot` in a time that starts `lead` seconds before
+the blocking drive, and ends when the fraction `clear` of the blocking drive is driven. If `slot` is
+for waiting, no robot may wait there in this time, and `lead` is 0.
 
 `lead` is the time that the other robot needs to get out of the way of the blocking drive.
 """
@@ -51,11 +51,11 @@ class _Blocks(NamedTuple):
     rows: List[slice]     # of each place
     slots: array[int]
     leads: array[float]   # s
-    clears: Tuple[array[float], array[float]]  # of an edge driven forward, and backward
+    clears: Tuple[array[float], array[float]]  # of an edge that is driven forward, and backward
 
 
 class Blocking:
-    """The slots that robots of type `moving` block for robots of type `observer`."""
+    """The slots that robots of the type `moving` block for robots of the type `observer`."""
 
     def __init__(self, network: RoadNetwork, moving: RobotType, observer: RobotType,
                  clearance: float) -> None:
@@ -108,13 +108,17 @@ class Blocking:
         return other in self.excluded(place)
 
     def wait(self, place: int) -> Iterator[Tuple[int, float]]:
-        """Returns each (slot, lead) that a robot blocks while it is at a vertex, or on an edge."""
+        """Returns each (slot, lead) that a robot blocks while it is at `place`, a vertex or an
+        edge.
+        """
         rows, slots, leads, _ = self._blocks
         row = rows[place]
         return zip(slots[row], leads[row])
 
     def rest(self, drive: int, begun: float) -> List[int]:
-        """Returns the places that an observer may not hold while the rest of a drive is driven."""
+        """Returns the places that an observer may not hold while the part of a drive after the
+        fraction `begun` is driven.
+        """
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
         row = slice(starts[edge], starts[edge + 1])
@@ -137,7 +141,7 @@ class Blocking:
         return blocked
 
     def prepare(self) -> None:
-        """Computes in advance what `drive`, `edges` and `wait` need at their first use."""
+        """Computes the tables that `drive`, `edges` and `wait` otherwise compute at first use."""
         _ = self._blocks, self._edge_blocks
 
     @cached_property

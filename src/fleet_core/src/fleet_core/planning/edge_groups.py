@@ -29,7 +29,7 @@ class RobotProgress(NamedTuple):
 
     released   -- number of its first drives that are granted
     cleared    -- number of the first drive that is not cleared, and its cleared fraction
-    is_between -- it stands between two vertices, on the first drive that is not released
+    is_between -- the robot stands between two vertices, on the first drive that is not released
     """
 
     kind: RobotType
@@ -71,7 +71,7 @@ class _Marks(NamedTuple):
 
     first: np.ndarray        # (M,) index into _Drives
     then: np.ndarray         # (M,)
-    first_clear: np.ndarray  # (M,) the fraction after which the first is out of the other's way
+    first_clear: np.ndarray  # (M,) the fraction after which `first` is clear of `then`
     then_clear: np.ndarray   # (M,)
     fixed: np.ndarray        # (M,) whether the order of the pair is fixed
 
@@ -80,7 +80,7 @@ def edge_groups(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
     """Returns all groups of the remaining plans.
 
-    Their constraints are as safe as those of `precedence`.
+    Their constraints are as safe as the constraints of `precedence`.
     """
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
@@ -156,7 +156,7 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
     The order is fixed if
 
     - one of the drives is released,
-    - the robot that goes first already stands in the other's way, or
+    - the robot that goes first already stands in the way of the other robot, or
     - the other robot would end in the way of the first robot.
     """
     first, then = marks.first, marks.then
@@ -217,7 +217,8 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns the marks of each group whose conditions do not follow from marks of earlier drives.
+    """Returns for each group the marks whose conditions do not follow from the marks of earlier
+    drives.
     """
     if not len(group):
         return np.zeros(0, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Explains in words which robots block which other robots."""
+"""Explains in words which robots block other robots."""
 from __future__ import annotations
 
 import time
@@ -33,7 +33,9 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Returns why an agent has no path even without traffic. Names the vertex out of reach."""
+    """Returns why an agent has no path even without traffic. The reason names a vertex that is out
+    of reach.
+    """
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
@@ -152,8 +154,8 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
 
 def _fewest_blocked(reservations: ReservationTable,
                     agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
-    """Returns the drives of the path over all destinations to a rest, past the fewest standing
-    robots.
+    """Returns the drives of a path over all destinations to a rest. This path leads past as few
+    standing robots as possible.
 
     The path ends early if it cannot be continued. If the agent stands between two vertices, the
     path begins at the next vertex. The second value names the robots that stand between the agent
@@ -184,7 +186,7 @@ def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePositi
            ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
     """Returns the vertices to which a robot between two vertices may drive, with their costs.
 
-    The second value has, for each vertex, the robots that stand in the way to it for ever.
+    The second value has, for each vertex, the robots that stand for ever on the way to it.
     """
     costs: Dict[int, float] = {}
     standing: Dict[int, Dict[str, None]] = {}

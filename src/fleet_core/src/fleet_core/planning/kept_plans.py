@@ -14,7 +14,7 @@ from fleet_core.planning.tasks import Task
 
 def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
                agents: Mapping[str, Agent]) -> Plans:
-    """Returns the present plans that can be driven, with new times in the old order.
+    """Returns the present plans that can still be driven, in their old order, with new times.
 
     Before the call, the robots that stand for ever must be booked, and no others. This function
     books nothing.

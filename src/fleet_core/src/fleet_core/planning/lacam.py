@@ -3,7 +3,7 @@
 If planning one robot after the other fails, this search moves all robots step by step (Okumura,
 LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023). It searches
 configurations depth first. For the next configuration, robots choose their moves in the order of
-their priorities. If a configuration comes up again, single robots are forced to make other moves.
+their priorities. If a configuration is reached again, single robots are forced to move otherwise.
 
 In a step each robot stays or drives one edge. No robot enters a place that another robot leaves in
 the same step: otherwise robots could wait for each other in a ring. So no two moves of a step
@@ -105,7 +105,7 @@ def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) ->
 
 def _next_waiting(waiting: Sequence[float], configuration: Configuration,
                   agents: Sequence[PibtAgent], promoted: Sequence[Tuple[int, int]]) -> List[float]:
-    """Returns the next priorities: higher for a robot that has not arrived.
+    """Returns the next priorities. The priority of a robot that has not arrived rises.
 
     A robot that let another robot go first gets a lower priority than that robot.
     """

@@ -6,8 +6,8 @@ higher cost is accepted so that the search can leave a local optimum. (Li et al.
 multi-agent path finding via large neighborhood search, IJCAI 2021.)
 
 In some rounds the first of these robots is planned twice: first as a guest, which blocks the others
-only until shortly after its arrival, and a second time after all others. So two robots can change
-places if the destination of each robot lies on the only path of the other robot.
+only until shortly after its arrival, and a second time after all others. So two robots can pass
+each other even if the destination of each robot lies on the only path of the other.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from fleet_core.planning.tea_star import Path, Paths, TeaStar, shuffled
 _SMALLEST, _LARGEST = 2, 8
 _GUESTS = 0.2  # share of the rounds that plan one robot twice
 _GUEST_STAYS = 10.0  # s, at most, that a guest stays at its end
-_WORSE = 0.01  # accepted average rise of the cost, as a share of all delays
+_WORSE = 0.01  # average rise of the cost that is accepted, as a share of all delays
 _CLOSE = 1e-9  # relative difference below which two costs count as equal
 _MEMORY = 0.9  # weight of the past when the choice among the kinds of neighbourhoods is updated
 
@@ -51,7 +51,7 @@ class LargeNeighbourhoodSearch:
         self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """Returns the cost of the booked path minus the cost of the robot without traffic."""
+        """Returns the cost of the booked path minus the robot's lowest cost without traffic."""
         return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:

@@ -1,8 +1,8 @@
 """Bookings of robots that keep their plans, made for each slot when the slot is first read.
 
 The search for one robot reads few slots, but the kept plans of all other robots block most slots.
-So this index stores only which robots use which places. The bookings are the same, in the same
-order, as if each robot had been booked at once.
+So this index stores only which robots use which places. The bookings and their order are the same
+as if each robot had been booked immediately.
 """
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Booked(NamedTuple):
     """The booked state of one robot.
 
     mid_edge -- where it stands between two vertices; None: it stands at `vertex`
-    points   -- by observer, each (slot, lead) that it blocks while it stands at `mid_edge`
+    points   -- by observer, each (slot, lead) that the robot blocks while it stands at `mid_edge`
     until    -- time until which it stands at its end
     held     -- number of drives that it holds from now on
     """
@@ -46,8 +46,8 @@ class Booked(NamedTuple):
     held: int
 
     def wait(self, number: int) -> Optional[Tuple[float, float]]:
-        """Returns begin and end of its wait before the drive with this number; None: it does not
-        wait.
+        """Returns the begin and the end of the robot's wait before the drive with this number;
+        None: the robot does not wait.
 
         The number after the last drive stands for the wait at the end.
         """
@@ -62,8 +62,9 @@ Times = Tuple[Tuple[float, float], ...]
 """Begin and end of a booking; empty: there is none."""
 
 _Part = Tuple[int, int, float, float]
-"""A robot (its place in the order of booking), the step of its plan (even: a wait, odd: a drive),
-begin and end."""
+"""The number of a robot in the order of booking; a step of its plan (even: a wait, odd: a drive);
+begin and end of the step.
+"""
 
 
 class LaterBookings:
@@ -108,7 +109,7 @@ class LaterBookings:
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns all slots that a robot blocks for an observer, and perhaps others besides."""
+        """Returns all slots that a robot blocks for an observer, and perhaps further slots."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}

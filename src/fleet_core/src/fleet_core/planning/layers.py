@@ -3,7 +3,7 @@
 The layers k = 0, 1, 2 ... lie `seconds` apart. A robot waits from one layer to the next, or begins
 a drive in a layer and goes on from the first layer after its arrival. Waiting is a step like
 driving. So this search examines many more states than a search over safe intervals, and robots
-start only in layers. It uses the same reservation table.
+begin drives only at layers. Both searches use the same reservation table.
 """
 from __future__ import annotations
 

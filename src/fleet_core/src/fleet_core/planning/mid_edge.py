@@ -25,9 +25,10 @@ class MidEdgePosition(NamedTuple):
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
     def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
-        """Returns the drives by which it may leave: (drive, vertex at its end, seconds to the end).
+        """Returns each drive by which it may leave: (drive, vertex at its end, seconds to this
+        end).
 
-        A closed edge, and a drive into a dock, are allowed.
+        Drives on closed edges and into docks are included.
         """
         times = network.times(kind)
         return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))

@@ -1,10 +1,10 @@
 """Switches the order of use while robots are late: reverses groups if that gains time.
 
-A late robot holds up each robot that comes after it. Until a robot is granted a drive in an edge
-group, the order of the group may be reversed. The plans still lead to the same places, and the
-order stays free of rings (switchable action dependency graphs: Berndt et al., T-RO 2024). The paper
-solves a mixed-integer program. This module searches greedily, group by group. The cost of an order
-follows from the longest paths through a graph. Its nodes are the beginnings of drives.
+A late robot holds up each robot that comes after it. The order of an edge group may be reversed
+until a robot is granted a drive in the group. The plans still lead to the same places, and the
+order must stay free of rings (switchable action dependency graphs: Berndt et al., T-RO 2024). The
+paper solves a mixed-integer program. This module searches greedily, group by group. The cost of an
+order follows from the longest paths through a graph. Its nodes are the beginnings of drives.
 
 Safety does not depend on this module: a robot is granted only places that are free. But a ring
 would be a deadlock.
@@ -18,8 +18,8 @@ from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequenc
 from fleet_core.planning.edge_groups import EdgeGroup
 from fleet_core.planning.precedence import Constraint
 
-GAIN = 5.0     # s that all robots together must gain by a change
-LATE = 5.0     # s: a drive that waits for a robot counts as late this long after its planned time
+GAIN = 5.0     # s that all robots together must gain from a change
+LATE = 5.0     # s: a drive that waits for a robot is late if it begins later than planned by this
 TRIALS = 40    # maximum number of orders that are tried
 _IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
@@ -30,11 +30,11 @@ class RemainingDrives(NamedTuple):
     """The remaining drives of a robot and their times, in s from now.
 
     first   -- number of the first of these drives in its plan
-    begins  -- when the first drive begins if no robot holds it up; below 0: it has begun
+    begins  -- when the first drive begins without delay by others; below 0: it has begun
     seconds -- of each drive
     pauses  -- the minimum stay before each drive
     planned -- when each drive begins according to the plan in force
-    done    -- number of the first drive after its errand; None: it has no errand
+    done    -- number of the first drive after the robot's errand; None: it has no errand
     """
 
     first: int
@@ -71,7 +71,7 @@ def switch_order(courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGr
 
     It searches only if a robot is so late that it holds up another robot.
 
-    gain     -- s that each change must gain, added up over the robots
+    gain     -- s that each change must gain for all robots together
     deadline -- monotonic s
     """
     orders = _Orders(courses, groups, trials, deadline)
@@ -105,7 +105,7 @@ class _Order(NamedTuple):
 
 
 class _Arc(NamedTuple):
-    """In one order of `group`, `then` begins at the earliest `lag` s after `node`."""
+    """In one order of `group`, the node `then` begins no earlier than `lag` s after `node`."""
 
     node: int
     then: int
@@ -115,7 +115,7 @@ class _Arc(NamedTuple):
 
 
 class _Orders:
-    """All orders of the groups. The nodes are the beginnings of drives, robot by robot.
+    """All orders of the groups. The nodes are the beginnings of drives, sorted by robot.
 
     Nodes and arcs are kept in lists by number, because each trial walks through all of them.
     """
@@ -243,8 +243,8 @@ class _Orders:
     # -- search for a better order ----------------------------------------------------------------
 
     def let_through(self, order: _Order, node: int, gain: float) -> Optional[_Order]:
-        """Lets a waiting robot go ahead of each robot that it waits for, one after the other, until
-        the gain is enough.
+        """Lets a waiting robot go ahead of the robots that it waits for, one robot after the other,
+        until the gain is enough.
         """
         tried = order
         for _ in range(_IN_A_ROW):
@@ -284,7 +284,7 @@ class _Orders:
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
-        """Returns one ring among nodes of which each waits for another."""
+        """Returns one ring among `nodes`; each of these nodes waits for another."""
         node = min(nodes)
         path: List[_Arc] = []
         seen: Dict[int, int] = {}

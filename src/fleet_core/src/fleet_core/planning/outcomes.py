@@ -16,7 +16,7 @@ def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                rounds: int) -> PlanningOutcome:
     """Returns the plans, and the order of use that keeps them safe.
 
-    behind   -- each agent's plan after its fixed drives
+    behind   -- for each agent, the plan after its fixed drives
     served   -- agents whose plans lead to all of their destinations
     unserved -- the other agents, each with the reason
     rounds   -- number of rounds of improvement; above 0: the drives get the earliest times that

@@ -4,16 +4,16 @@ A set of parking vertices is *well-formed* if two conditions hold while a robot 
 them (Cap et al., arXiv 1501.07704):
 
 - The rest of the graph is still connected.
-- Each of these robots can leave and come back.
+- Each of these robots can leave its vertex and come back.
 
 Then robots can always move, in all missions. A vertex that the graph forbids as parking, such as
 one between two sections of an edge, may be cut off. If closed edges divide the graph into parts
 without a path between them, the conditions hold for each part.
 
-The capacity of the graph is the size of the largest such set. The largest set is hard to find, so
-it is searched for from many beginnings, as long as a fixed amount of work allows. The result is
-certain to be well-formed, and on small graphs it is rarely too small. It depends on the graph
-alone, not on the speed of the computer.
+The capacity of the graph is the size of the largest such set. The largest set is hard to find. So
+the search begins at many sets, and ends after a fixed amount of work. The result is certain to be
+well-formed, and on small graphs it is rarely too small. The result depends on the graph alone, not
+on the speed of the computer.
 """
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from fleet_core.geometry.arrays import count_up
 from fleet_core.planning.road_network import RoadNetwork
 
 _TRIALS = 20
-# The search ends after this many trials in a row without gain. Two would have been enough for each
+# The search ends after so many consecutive trials without gain. Two would have been enough for each
 # of 40 random graphs.
 _FRUITLESS = 4
-# The largest number of places that all checks of one search may examine together. The search on a
-# graph of 25 vertices needs a twentieth of this number. A larger number gained nothing on graphs of
-# 64 and of 100 vertices.
+# All checks of one search together may examine at most so many places. The search on a graph of 25
+# vertices needs a twentieth of this number. A larger number gained nothing on graphs of 64 and of
+# 100 vertices.
 _WORK = 3_000_000
 
 
@@ -75,12 +75,12 @@ class WellFormedSets:
         owner = np.full(places, -1, dtype=np.int64)
         owner[taken] = np.repeat(vertices, lengths)
         if (count[vertices] != 1).any():
-            return False  # two of them exclude each other
+            return False  # two of the vertices exclude each other
         core = self._core(count)
         if core is None:
             return False
         # To the core and back, each robot may use only places that no other parked robot blocks.
-        # The nodes are all vertices, and after them for each robot one node that is the core.
+        # The nodes are all vertices, followed by one node for each robot that stands for the core.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)
@@ -99,13 +99,13 @@ class WellFormedSets:
 
         count -- number of robots that block each place
 
-        Returns None if a vertex that a robot may have to visit is not among them.
+        Returns None if one of the vertices that robots may have to visit is not among them.
         """
         free = count[:self._vertices] == 0
         usable = count[self._edge] == 0
         left = self._parts(self._begin[usable], self._end[usable], self._vertices)
         sizes = np.bincount(left[free], minlength=self._vertices)
-        # The core of each part of the graph is the largest piece that remains of it, preferably one
+        # The core of each part of the graph is the largest of its remaining pieces, preferably one
         # with wanted vertices.
         vertices = np.flatnonzero(free)
         order = vertices[np.lexsort((sizes[left[vertices]], self._wanted[vertices]))]

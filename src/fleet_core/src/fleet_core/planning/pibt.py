@@ -1,7 +1,7 @@
 """PIBT: one step of all robots at once. Robots choose their moves in the order of priorities.
 
-A robot in the way of a more urgent robot is asked to move. It then asks the robots in its own way
-(Okumura et al., AIJ 2022).
+If a robot is in the way of a more urgent robot, it is asked to move. It then asks the robots that
+are in its own way (Okumura et al., AIJ 2022).
 """
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _FAR = 12
 
 
 _Neighbours = List[Tuple[RobotType, List[int], List[int]]]
-"""For each robot type the vertices and edges that a drive excludes."""
+"""For each robot type, the vertices and the edges that a drive excludes."""
 
 
 class PibtAgent:
     """One robot in the search over configurations.
 
-    A robot that begins between two vertices begins at a vertex of its own, numbered after those of
-    the graph. From this vertex only the rest of a drive leads away. No drive leads back to it.
+    A robot that begins between two vertices begins at an extra vertex, numbered after all vertices
+    of the graph. From this vertex only the rest of a drive leads away. No drive leads back to it.
 
     name, kind -- of the robot
     begin      -- its first state: leg * vertices + vertex
@@ -156,11 +156,10 @@ class Pibt:
 
     def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
              ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
-        """Returns the next configuration, the drives that lead there, and the robots that changed
-        priority.
+        """Returns the next configuration, the drives that lead there, and the changes of priority.
 
-        Returns None if the forced moves exclude each other. In the third value each pair names a
-        robot, and another robot that lets it go first.
+        In the third value each pair names a robot and another robot that lets it go first. Returns
+        None if the forced moves exclude each other.
         """
         agents = self.agents
         self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
@@ -187,7 +186,8 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """Chooses the move of a robot: towards the end of its leg, or none if that is impossible.
+        """Chooses the move of a robot: towards the end of its leg or, if that is impossible, to
+        stay.
         """
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]
@@ -318,7 +318,7 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """Returns for each robot the vertex at which it is to rest; for a robot without rests, None.
+    """Returns the vertex at which each robot is to rest; None for a robot without rests.
 
     A robot with nothing to do stays where it is if it may. Returns None in place of the list if no
     free rest is left for a robot.

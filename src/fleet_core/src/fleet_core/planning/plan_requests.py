@@ -24,10 +24,10 @@ class PlanRequest:
                    apart its places are
     parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s for the search, from the beginning of planning
-    improvement -- s from the beginning of planning, until which the plan is improved
+    improvement -- s after the beginning of planning at which the improvement of the plan ends
     seed        -- for all random choices; 0: the planner's own seed
     reserved    -- ids of the vertices at which no robot is parked if there is enough other parking
-    laden       -- types of robots with loads, besides those of the fleet
+    laden       -- types of robots with loads, in addition to the types of the fleet
     """
 
     tasks: Tuple[Task, ...]

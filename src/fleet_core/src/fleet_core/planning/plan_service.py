@@ -1,6 +1,6 @@
 """The planner as a service to the supervisor: it answers requests with plans on its graph.
 
-It keeps only results that depend on the graph, so that it rarely computes geometry for a request.
+It keeps only results that depend on the graph. So it rarely has to compute geometry for a request.
 The same request gets the same answer, regardless of earlier requests.
 """
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fleet_core.planning.safe_intervals import find_path
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlanningOutcome, Task
 from trajectory_graph import Graph
 
-_PLANNERS_KEPT = 4  # planners for different closed edges and learned times
+_PLANNERS_KEPT = 4  # number of kept planners, each for other closed edges and learned times
 
 
 class _Roadmap(NamedTuple):
@@ -53,7 +53,7 @@ class PlanService:
         self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
     def _use(self, alone: Tuple[Alone, ...], laden: Tuple[RobotType, ...]) -> None:
-        """Computes anew which places exclude each other."""
+        """Computes again which places exclude each other."""
         dock_approach, self._laden = self._fleet.dock_approach, laden
         self._open = RoadNetwork(self.graph, (), dock_approach,
                                  geometry=SiteGeometry(self.graph, dock_approach, alone))
@@ -113,7 +113,7 @@ class PlanService:
                 raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
 
     def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
-        """Returns the planner for these closed edges and times: a kept one if there is one."""
+        """Returns the planner for these closed edges and times: a kept planner, or a new one."""
         planner = self._planners.pop(roadmap, None)
         if planner is None:
             network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))

@@ -66,7 +66,7 @@ class FleetPlanner:
         return None
 
     def can_park(self, ends: Sequence[Place], others: Sequence[Place]) -> bool:
-        """Returns whether there are enough vertices for `others` while robots stay at `ends`."""
+        """Returns whether all `others` can park while the robots at `ends` stay there."""
         for kind in {place[1] for place in others}:
             taken = {vertex for _, end_kind, id in ends
                      for vertex in self.reservations.blocking[end_kind, kind].excluded(

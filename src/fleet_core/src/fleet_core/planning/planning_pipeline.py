@@ -30,11 +30,11 @@ from fleet_core.planning.schedule import schedule
 from fleet_core.planning.tasks import Obstacle, PlanningOutcome, Task
 from fleet_core.planning.tea_star import Path, Paths, TeaStar, by_length, is_too_late
 
-_ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
-_ROOM_ORDERS = 4  # maximum number of orders in which a robot and those in its way are planned
+_ORDERS = 10      # maximum number of orders in which all robots are planned before LaCAM begins
+_ROOM_ORDERS = 4  # maximum number of orders if only a robot and the robots in its way are planned
 _QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
 _TO_EXPLAIN = 0.05  # s after the time limit, for the search for the robots in the way
-# The time kept free for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
+# The time that is kept for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
 # first outcome
 _TO_FINISH = 0.002
 _SLOWER = 1.5
@@ -117,7 +117,7 @@ class PlanningPipeline:
     # -- present plans ----------------------------------------------------------------------------
 
     def _ground_who_is_too_near(self) -> None:
-        """Keeps robots that stand too near to each other where they are. They block all others."""
+        """Grounds robots that stand too near to each other. They block all other robots."""
         for one, other in self._problem.too_near():
             for name, near in ((one, other), (other, one)):
                 self._unserved[name] = (f'it stands nearer to {near} than is allowed; move one of '
@@ -182,7 +182,7 @@ class PlanningPipeline:
                 self._tea_star.book_present(agent)
         failed = [t for t in missing
                   if t.name not in self._paths and not self._serve_one(t, deadline)]
-        # the search for a later robot may have given a path to a robot that failed
+        # the search for a later robot may have given a path to a robot that had none before
         return [t for t in failed if t.name not in self._paths]
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
@@ -247,7 +247,7 @@ class PlanningPipeline:
         return True
 
     def _serve_somebody(self, failed: Sequence[Agent], deadline: float) -> List[Agent]:
-        """Serves one of these robots; all others without a path only make room for it.
+        """Serves one of these robots; the others only make room for it.
 
         Returns the robots that are still not served.
         """
@@ -326,7 +326,7 @@ class PlanningPipeline:
                 self._unserved.setdefault(agent.name, 'a robot without a plan is in its way')
 
     def _who_passes(self, agent: Agent) -> Set[str]:
-        """Returns robots whose plans lead past the place of a standing robot that is not booked."""
+        """Returns the robots whose plans lead past a standing robot that is not booked."""
         if agent.mid_edge is not None:
             return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]

@@ -11,7 +11,9 @@ class Drive(NamedTuple):
     start: float
     end: float
     begun: float = 0.0
-    """Fraction that lies behind the robot at `start`; above 0 only in a plan's first drive."""
+    """Fraction of the edge that is behind the robot at `start`; above 0 only in a plan's first
+    drive.
+    """
 
 
 Plan = List[Drive]

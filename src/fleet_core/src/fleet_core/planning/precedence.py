@@ -2,8 +2,8 @@
 
 For each pair of drives that exclude each other, the plan's times fix an order. If that order is
 kept, the plan is safe however long a drive takes and wherever a robot comes to rest. The times
-matter only for the cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b
-may begin its drive j only after robot a has driven the fraction f of its drive i.
+affect only the cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b may
+begin its drive j only after robot a has driven the fraction f of its drive i.
 
 All drives form one sequence, which keeps the order of each robot's own drives. Each constraint
 points forward in this sequence. So robots never wait for each other in a ring.
@@ -51,7 +51,7 @@ class _Drives(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """M pairs of drives of different robots: the first must be clear before the second begins."""
+    """M pairs of drives of different robots: `first` must be clear before `then` begins."""
 
     first: np.ndarray     # (M,) index into _Drives
     fraction: np.ndarray  # (M,) of the first drive's arc length, after which it is out of the way
@@ -60,8 +60,8 @@ class _Pairs(NamedTuple):
 
 def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
-    """Returns the constraints that keep `plans` safe, without those that follow from other
-    constraints between the same two robots.
+    """Returns the constraints that keep `plans` safe. Constraints that follow from others between
+    the same two robots are omitted.
 
     `released` is the number of first drives of each robot that are released. They need no
     constraint, because all that had to come before them has happened. Raises Conflicting if the
@@ -110,10 +110,10 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns, for each planned drive of an observer and each moving robot, the last conflicting
-    drive of the moving robot before the planned drive.
+    """Returns pairs for each planned drive of an observer and each moving robot: the last
+    conflicting drive of the moving robot before the planned drive.
 
-    The robots are those of the given types.
+    Only robots of the given types count.
     """
     conflicts = reservations.blocking[moving, observer].conflicts
     vertices, count = reservations.network.vertices, len(drives.drive)
@@ -130,7 +130,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
-    # The uses of each edge, in one group for each robot; each group is in order.
+    # The uses of each edge by each robot form one group; each group is in order.
     edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
     robots = int(drives.robot.max()) + 1
     by_robot = edge * robots + robot
@@ -181,7 +181,9 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
 
 def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives,
            pairs: _Pairs) -> None:
-    """Raises Conflicting if the order may have rings, or the times of the plans do not keep it."""
+    """Raises Conflicting if the order may have rings, or if the times of the plans do not fit the
+    order.
+    """
     if (pairs.first >= pairs.then).any():
         raise Conflicting('a drive would wait for a drive that comes later in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]

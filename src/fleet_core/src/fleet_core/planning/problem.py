@@ -1,4 +1,4 @@
-"""Checks the planner's input, which contains ids of the graph, and makes agents of it."""
+"""Checks the planner's input, which uses the ids of the graph, and makes agents from it."""
 from __future__ import annotations
 
 from collections import Counter
@@ -20,8 +20,8 @@ from fleet_core.planning.tasks import CannotPlan, Task
 class Problem:
     """The agents of a list of tasks.
 
-    parking  -- ids of the vertices at which robots may be parked; docks only for types that list
-                them
+    parking  -- ids of the vertices at which robots may be parked; a dock only for types that list
+                this dock
     reserved -- ids of the vertices at which no robot is parked if there is enough other parking
     """
 
@@ -168,9 +168,9 @@ class Problem:
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
-        """Returns whether `one` is too near to the point between vertices at which `other` stands.
+        """Returns whether `one` is too near to `other`, which stands between two vertices.
 
-        True if `other` is not between vertices: then their places have been compared already.
+        True if `other` is not between vertices: then the places of both have been compared already.
         """
         if other.mid_edge is None:
             return True

@@ -1,4 +1,4 @@
-"""The reservation table: what each robot with a plan blocks and when, for each robot type."""
+"""The reservation table: for each robot type, what each robot with a plan blocks, and when."""
 from __future__ import annotations
 
 from bisect import bisect_right
@@ -155,7 +155,7 @@ class ReservationTable:
             self._placed[robot][observer] = blocked
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
-        """Returns the bookings of one robot, by slot, for an observer of a type."""
+        """Returns the bookings of one robot for an observer of one type, by slot."""
         self._settle(robot)
         slots = self.slots[observer]
         return {slot: [b for b in slots.row(slot) if b[2] == robot]
@@ -177,7 +177,7 @@ class ReservationTable:
                 slots.take_out(slot, gone)
 
     def take_out(self, robots: Sequence[str]) -> TakenOut:
-        """Removes the bookings of several robots, so that `put_back` can restore them quickly.
+        """Removes the bookings of several robots. `put_back` can restore them quickly.
 
         All these robots must be booked.
         """
@@ -235,8 +235,8 @@ class ReservationTable:
 
     def against_rest(self, kind: RobotType, mid_edge: MidEdgePosition,
                      drive: int) -> List[Booking]:
-        """Returns the bookings that keep a robot between two vertices from driving to the end of a
-        drive.
+        """Returns the bookings that keep a robot, which stands between two vertices, from driving
+        to the end of a drive.
 
         Bookings are made for whole drives. A booking that concerns only the part of the drive
         behind the robot is ignored.

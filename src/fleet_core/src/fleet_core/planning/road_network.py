@@ -2,7 +2,7 @@
 
 A *drive* is an edge in one direction: drive 2 e is edge e forward, drive 2 e + 1 is the same edge
 backward. Edges are numbered in the graph's order. A *slot* is what is booked: first come the slots
-of the drives, then those of the vertices.
+of the drives, then the slots of the vertices.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Roads = List[List[Tuple[int, int, float]]]
 def estimated(seconds: np.ndarray) -> Sequence[float]:
     """Returns the seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
-    So of several equally good paths, a search first follows the path that is nearest to its end.
+    So among equally good paths, a search first follows the path that is nearest to its end.
     """
     return array('d', (seconds * _GUIDED).tobytes())
 
@@ -145,8 +145,8 @@ class RoadNetwork:
         return roads
 
     def paths_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
-        """Returns for each target the seconds (V,) to it from each vertex, without traffic; inf: no
-        path.
+        """Returns for each target the seconds (V,) from each vertex to the target, without traffic;
+        inf: no path.
 
         The results are kept, so that repeated targets cost nothing.
         """
@@ -166,9 +166,9 @@ class RoadNetwork:
         return [known[target] for target in targets]
 
     def seconds_over(self, kind: RobotType, vertices: Sequence[int]) -> float:
-        """Returns the seconds from the first of these vertices (by id) over all others in order.
+        """Returns the seconds from the first of these vertices (ids) over all others in order.
 
-        Infinite: there is no path, or one of these vertices is not in the graph (any more).
+        Infinite: there is no path, or one of these vertices is not in the graph.
         """
         if any(vertex not in self.index for vertex in vertices):
             return math.inf
@@ -206,7 +206,7 @@ class RoadNetwork:
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:
         """Returns the seconds (V,) from each vertex to a dock, through no other dock.
 
-        roads -- the last drives: (vertex where it begins, seconds)
+        roads -- the drives into the dock: (vertex where the drive begins, seconds)
         """
         paths = np.full(self.vertices, math.inf)
         for begin, seconds in roads:

@@ -1,11 +1,11 @@
 """The path of one robot through a reservation table: A* over safe intervals.
 
 This is the search of TEA* with intervals in place of layers. A state is a vertex and one of the
-intervals in which a robot may wait there. Of all paths into a state only the earliest counts,
+intervals in which a robot may wait there. Only the path that reaches a state earliest counts,
 because a robot that is early can wait (safe interval path planning, Phillips and Likhachev, ICRA
 2011). Three things are added: beginnings of drives are booked (see `blocking`), one search covers
-several destinations, and the robot rests for ever at the end. The successors of a state are made
-only when they may be the best (partial expansion, Yoshizumi et al., AAAI 2000).
+several destinations, and the robot rests for ever at the end. The search makes the successors of a
+state only when one of them may be the best (partial expansion, Yoshizumi et al., AAAI 2000).
 """
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ NO_VERTEX = -2
 State = Tuple[int, float, int, float, float, int, Optional['State'], Arrival]
 """A robot on a vertex, where it may wait, and how it came there.
 
-vertex, time -- where it is, and when it may drive on
+vertex, time -- where the robot is, and when it may drive on
 leg          -- index of its next destination
 served       -- the end of its stay at the last destination that it served
 until        -- the end of the time for which it may wait
-key          -- number for vertex, leg and interval; of the states with one key the earliest counts
-parent       -- the state before; None: none
+key          -- number for vertex, leg and interval; among states with one key, the earliest counts
+parent       -- the state before this one; None: there is none
 arrival      -- the drive from the parent to this state
 
 It is a plain tuple, because a search makes very many states, and to make a named tuple takes
 several times as long. The code that reads a state names its fields.
 """
 _Entry = Tuple[float, int, float, State]
-"""A state that waits to be expanded.
+"""A state whose successors are not all made yet.
 
-Its fields are the lowest cost of the paths through the state that are not followed yet; a number
-that grows with each state; the cost up to which the paths are followed already; the state.
+Its fields are: the lowest cost of those paths through the state that are not followed yet; a number
+that grows with each state; the cost up to which paths are followed already; the state.
 """
 
 
@@ -105,7 +105,7 @@ def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], lates
 
 
 def steps_until(deadline: float) -> Iterator[None]:
-    """Yields once for each step of a search, until a look at the clock finds the deadline over."""
+    """Yields once for each step of a search, until a look at the clock after the deadline."""
     in_time = iter(lambda: time_now() <= deadline, False)
     return chain(repeat(None, _CHECKED),
                  chain.from_iterable(repeat(None, _CHECKED) for _ in in_time))
@@ -113,7 +113,7 @@ def steps_until(deadline: float) -> Iterator[None]:
 
 def _next(heap: List[_Entry], newest: Optional[_Entry],
           best: Mapping[int, float]) -> Optional[_Entry]:
-    """Takes the entry with the lowest cost; entries whose key has an earlier state are dropped.
+    """Takes the entry with the lowest cost. Drops entries for whose key there is an earlier state.
 
     newest -- an entry that is not in the heap yet; often this entry is taken
     """
@@ -154,7 +154,7 @@ def _successors(query: PathQuery, slots: Slots, state: State, cost: float,
 
 def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
                 until: float) -> List[float]:
-    """Returns the first moment of each free time of a slot between `now` and `until`.
+    """Returns the beginning of each free time of a slot between `now` and `until`.
 
     The slot is blocked from `starts[k]` to `ends[k]`, for each k.
     """

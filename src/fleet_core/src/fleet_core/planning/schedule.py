@@ -20,7 +20,7 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
     """Returns the plans after the fixed drives.
 
     `order` has the drives as (robot, drive). Each drive waits until all earlier drives are out of
-    its way. Of `reservations` only geometry and driving times are used, not the bookings.
+    its way. The function uses only geometry and driving times of `reservations`, not the bookings.
     """
     network = reservations.network
     lines = {kind: _Line(reservations, kind) for kind in reservations.kinds}

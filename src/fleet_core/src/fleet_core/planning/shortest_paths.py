@@ -21,8 +21,8 @@ class _Round(NamedTuple):
     """N vertices that were removed together, none of them next to another."""
 
     vertices: np.ndarray    # (N,)
-    neighbours: np.ndarray  # (2, N) not removed before; the vertex itself in place of a missing one
-    seconds: np.ndarray     # (2, N) from the vertex to the neighbour
+    neighbours: np.ndarray  # (2, N) not removed before; the vertex itself: a neighbour is missing
+    seconds: np.ndarray     # (2, N) of the roads from the vertex to these neighbours
 
 
 class ShortestPaths:
@@ -35,7 +35,7 @@ class ShortestPaths:
     def __init__(self, vertices: int, roads: Iterable[Tuple[int, int, float]]) -> None:
         self._away: List[Dict[int, float]] = [{} for _ in range(vertices)]
         self._back: List[Dict[int, float]] = [{} for _ in range(vertices)]
-        """For each vertex the seconds to its neighbours and from them.
+        """For each vertex, the seconds to its neighbours (`_away`) and from them (`_back`).
 
         For a removed vertex: to and from the neighbours that had not been removed before it.
         """
@@ -111,7 +111,7 @@ class ShortestPaths:
     def _paths(self, descents: Sequence[Dict[int, float]]) -> np.ndarray:
         """Returns the seconds (T,V) from each vertex to the targets of each of T descents."""
         count, core = len(descents), len(self._core)
-        # One node more for each target, linked to the remaining graph.
+        # One more node for each descent, linked to the remaining graph.
         rows = [{v: s for v, s in row.items() if self._round[v] < 0} for row in descents]
         starts = self._starts[-1] + np.cumsum([len(row) for row in rows])
         ends = self._number[np.array([v for row in rows for v in row], dtype=np.int64)]
@@ -131,7 +131,8 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Returns the seconds to the nearest target for each vertex with a descending path to one.
+        """Returns, for each vertex with a descending path to a target, the seconds to the nearest
+        target.
 
         Each step of a descending path leads to a vertex that was removed in an earlier round.
         """

@@ -14,7 +14,7 @@ The last beginning is infinity. So beginning k is the end of the free time befor
 
 _NEVER: Busy = ((inf,), ())
 Booking = Tuple[float, float, str]
-"""Begin, end, robot. In the time of a booking the robot blocks the slot without a break."""
+"""Begin, end, robot. The robot blocks the slot from begin to end without a break."""
 
 
 def _nobody(_: int) -> List[Booking]:
@@ -22,7 +22,7 @@ def _nobody(_: int) -> List[Booking]:
 
 
 class Slots:
-    """The bookings that tell robots of one type when they may begin each drive, or wait."""
+    """The bookings of all slots, as they apply to robots of one type."""
 
     def __init__(self, drives: int, vertices: int) -> None:
         self.drives = drives
@@ -52,7 +52,7 @@ class Slots:
         return row
 
     def is_made(self, slot: int) -> bool:
-        """Returns whether the bookings of a slot are made, not left for later."""
+        """Returns whether the bookings of a slot are made already."""
         return self._rows[slot] is not None
 
     def replace(self, slot: int, row: List[Booking], busy: Optional[Busy] = None) -> None:
@@ -65,8 +65,7 @@ class Slots:
         self.replace(slot, [b for b in self.row(slot) if b[2] not in robots])
 
     def add(self, slot: int, begin: float, end: float, robot: str, touched: List[int]) -> None:
-        """Books a slot for a robot. Adds the slot to `touched` unless a booking is only extended.
-        """
+        """Books a slot for a robot. Adds the slot to `touched` if this makes a new booking."""
         row = self.row(slot)
         if extend(row, begin, end, robot):
             return
@@ -108,9 +107,9 @@ class Slots:
 
 
 def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
-    """Extends the last booking of a slot if a new one of the same robot overlaps it.
+    """Extends the last booking of a slot if a new booking of the same robot overlaps it.
 
-    Returns whether it did.
+    Returns whether the booking was extended.
     """
     if not row or row[-1][2] != robot or begin > row[-1][1]:
         return False
@@ -119,7 +118,7 @@ def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
 
 
 def merge(bookings: Sequence[Booking]) -> Busy:
-    """Returns the times that any of the bookings covers."""
+    """Returns the times that at least one of the bookings covers."""
     count = len(bookings)
     if count == 0:
         return _NEVER

@@ -29,11 +29,11 @@ class Task:
     released      -- signed ids of the edges that it was ordered to drive; each plan begins with
                      them
     begun         -- the fraction of the first released edge that lies behind the robot
-    mid_edge      -- signed id and fraction of the edge on which it stands, free to leave in both
-                     directions; None: it stands on a vertex or is driving
+    mid_edge      -- signed id and fraction of the edge on which it stands and which it may leave in
+                     both directions; None: it stands on a vertex or is driving
     ready         -- s that it waits after the released edges, because of a dwell or a delay
     destinations  -- ids of the vertices that it is to visit after the released edges, in order
-    dwells        -- s to stay at each; empty: no stays
+    dwells        -- s to stay at each destination; empty: no stays
     stays         -- it is to stay at its last destination for ever; otherwise it goes on to parking
     kept          -- its present plan after the released edges, with the old times; they can be
                      compared with the old times of other robots. None: it has no plan
@@ -73,7 +73,7 @@ class PlanningOutcome:
     precedence   -- the order of use; drives are counted from 0 in `drives`
     unserved     -- the robots whose plans do not reach their destinations, each with the reason
     cost         -- sum of the costs of the robots whose plans reach their destinations
-    lower_bound  -- the same sum, if each of these robots had no traffic
+    lower_bound  -- the sum of the costs that these robots would have without traffic
     rounds       -- number of neighbourhoods that were tried for improvement
     """
 

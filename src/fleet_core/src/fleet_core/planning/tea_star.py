@@ -24,11 +24,11 @@ PRESENT = 2.0
 """Time for which a robot without a plan is an obstacle, in multiples of its shortest drive."""
 
 
-_TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
+_TO_ANSWER = 5e-6  # s to book a drive of a plan and to put it into the answer
 
 
 class Path(NamedTuple):
-    """The path found for one robot: its cost, and the plan after the fixed drives."""
+    """The path that was found for one robot: its cost, and the plan after the fixed drives."""
 
     cost: float
     plan: Plan
@@ -113,7 +113,7 @@ class TeaStar:
                 break
             order.remove(failed)
             order.insert(0, failed)
-            if failed.name in put_first:  # it lost its path later: all are planned anew
+            if failed.name in put_first:  # it has lost its path since: all are planned anew
                 put_first.clear()
             elif self._put_first(order, paths, deadline):
                 put_first.add(failed.name)
@@ -146,7 +146,7 @@ class TeaStar:
         return None
 
     def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
-        """Plans the first agent before the others; agents that are in its way lose their paths.
+        """Plans the first agent before the others. Agents that are in its way lose their paths.
 
         Returns False if the first agent finds no path even then.
         """
@@ -171,9 +171,9 @@ class TeaStar:
 
     def _meets(self, agent: Agent, path: Path,
                booked: Mapping[int, Sequence[Booking]]) -> bool:
-        """Returns whether a path runs into another robot's bookings (by slot)."""
+        """Returns whether a path conflicts with the bookings of another robot (by slot)."""
         if agent.mid_edge:
-            return True  # it does not stand on a vertex, so it is simply planned again
+            return True  # it stands between vertices, so it is simply planned again
         network = self.reservations.network
         vertex, since = agent.query.vertex, agent.query.ready
         for drive in path.plan:
@@ -205,7 +205,7 @@ def is_too_late(deadline: float, drives: int = 0) -> bool:
 
 
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
-    """Returns the first order: by priority, then the shortest path.
+    """Returns the agents in the first order: by priority, then by length of the shortest path.
 
     Robots with short paths are soon out of the way. So it costs less if a robot with a long path
     waits than if robots with short paths wait. A robot with nothing to do comes last, because it

@@ -1,4 +1,4 @@
-"""The closed edges, kept in a file so that closures survive power cuts and the end of their sender.
+"""The closed edges, kept in a file so that they outlast power cuts and the end of their sender.
 
 An operation opens or closes edges and leaves all others as they are. Operations are carried out in
 the order of their arrival, regardless of their stamps. A list of all closed edges replaces the
@@ -16,7 +16,7 @@ from file_replacement import replace_file
 from fleet_core.files.errors import FileError
 
 _AHEAD = 1_000_000_000  # ns by which the clock of a sender may be ahead of this computer's
-_REMEMBERED = 1000      # operations that are recognised if their message comes again
+_REMEMBERED = 1000      # the last operations, which are recognised if their message comes again
 
 
 class EdgeAction(IntEnum):
@@ -43,9 +43,9 @@ class EdgeOperation:
 class Closures:
     """The closed edges in force and the time of their last change. The file need not exist yet.
 
-    State: edges, stamp and the identities of the last operations. Events: an operation, a list of
-    all closed edges, a new graph. Invariants: the file is written before the state changes; the
-    stamp grows unless the clock was set back; no operation is carried out twice.
+    State: the edges, the stamp, and the identities of the last operations. Events: an operation, a
+    list of all closed edges, a new graph. Invariants: the file is written before the state changes;
+    the stamp grows unless the clock was set back; no operation is carried out twice.
 
     edges -- ids of the edges
     stamp -- ns of the ROS clock; 0: no edge was ever closed or opened
@@ -53,8 +53,8 @@ class Closures:
     The argument `known` of the methods has the ids of the graph's edges. Other edges are not
     closed. If it is None, there is no graph, and every id is accepted.
 
-    Raises FileError for a file with other content. Methods raise OSError if the file cannot be
-    written; then nothing has changed.
+    Raises FileError if the content of the file is not valid. Methods raise OSError if the file
+    cannot be written; then nothing has changed.
     """
 
     def __init__(self, file: Union[str, os.PathLike]) -> None:
@@ -100,7 +100,7 @@ class Closures:
         Raises OutOfDate for a list that is older than the last change.
         """
         said = now if stamp == 0 or stamp > now + _AHEAD else stamp
-        was_set_back = self.stamp > now + _AHEAD  # this computer's clock, since the last change
+        was_set_back = self.stamp > now + _AHEAD  # the clock, after the last change
         if stamp and said <= self.stamp and not was_set_back:
             raise OutOfDate(self.stamp)
         wanted = frozenset(map(abs, edges))
@@ -109,7 +109,7 @@ class Closures:
         return unknown
 
     def forget_all_but(self, known: Container[int]) -> FrozenSet[int]:
-        """Removes edges that a new graph does not have, and returns them."""
+        """Removes the closures of edges that a new graph does not have. Returns these edges."""
         gone = _unknown(self.edges, known)
         if gone:
             self._save(self.edges - gone, self.stamp, self._carried_out)

@@ -1,11 +1,11 @@
 """The graph in force, and when a file may replace it: never if this changes a running route.
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
-changed meanwhile; the copy is the graph on which they drive.
+changed before; the copy is the graph on which they drive.
 
 States: no graph, or one graph in force. Events: a file is loaded, a robot reports its route.
-Invariants: before a graph is put in force, it is valid and on the disk, and it breaks no running
-route; once a graph is in force, there always is one.
+Invariants: a graph is put in force only if it is valid, on the disk, and breaks no running route;
+after the first graph, there is always a graph in force.
 """
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Loaded(NamedTuple):
 class GraphInForce:
     """The graph in force and its copy on the disk.
 
-    graph  -- None before one was loaded
-    copy   -- file with the copy; its first line names the file from which the graph came
+    graph  -- the graph in force; None: none was loaded yet
+    copy   -- file with the copy; its first line names the file from which the graph was loaded
     routes -- the last report of each robot, by its name; the caller keeps it up to date
     """
 
@@ -42,7 +42,7 @@ class GraphInForce:
     def must_hear_robots(self, file: str) -> bool:
         """Returns whether `load` should wait until the robots have reported.
 
-        That is so if no graph is in force yet and the file has changed since it was last in force:
+        It should if no graph is in force yet and the file has changed since it was in force. Then
         robots may still drive on the old graph.
         """
         before = self._kept(file) if self.graph is None else None
@@ -97,7 +97,7 @@ class GraphInForce:
         return Loaded(True, '')
 
     def _kept(self, file: str) -> Optional[Graph]:
-        """Returns the graph of the copy; None: it did not come from this file, or is not valid."""
+        """Returns the copied graph; None: it was not loaded from this file, or is not valid."""
         try:
             with open(self._copy, encoding='utf-8') as stream:
                 origin = stream.readline()

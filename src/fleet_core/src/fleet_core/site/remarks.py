@@ -1,6 +1,6 @@
 """Sentences about a survey, for people who draw the graph or run the fleet.
 
-If long edges are cut into sections, the sentences are about the drawn edges and vertices.
+If long edges are cut into sections, the sentences name only the drawn edges and vertices.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
-_NAMED = 5  # number of objects of a kind that are named; the others are only counted
+_NAMED = 5  # maximum number of objects in a list; further ones are only counted
 
 
 class Remark(NamedTuple):
@@ -58,7 +58,7 @@ def _near_edges(graph: Graph, found: Survey) -> List[Tuple[int, ...]]:
 
 
 def _drawn(graph: Graph, vertices: Iterable[int]) -> List[int]:
-    """Returns these vertices without those that only divide an edge."""
+    """Returns these vertices, without the vertices that only divide an edge into sections."""
     return [id for id in vertices if not graph.divides_an_edge(id)]
 
 
@@ -138,7 +138,7 @@ def _on_long_edges(graph: Graph, found: Survey) -> Iterable[Remark]:
 def _named(one: str, many: str, ids: Iterable[int]) -> str:
     """Returns `vertex 3`, or `vertices 3, 4`.
 
-    The text has at most `_NAMED` ids, and then the number of the others.
+    The text has at most `_NAMED` ids, followed by the number of the other ids.
     """
     ids = list(ids)
     if len(ids) == 1:

@@ -14,7 +14,7 @@ from fleet_core.planning.road_network import RoadNetwork
 LONG = 3.0
 """The length of a long edge, in following distances. The next robot waits until the whole edge is
 free. So less than half as many robots pass as on edges of one following distance."""
-_SAMPLES = 100  # number of vertices from which paths are counted; bounds the time on large graphs
+_SAMPLES = 100  # paths are counted from so many vertices, to bound the time on large graphs
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Capacity:
 
 @dataclass(frozen=True)
 class DeadEnd:
-    """A part of the graph with one entry and no loop: robots that meet in it cannot pass.
+    """A part of the graph with one entry and no loop: two robots cannot pass each other in it.
 
     entry -- the vertex that joins it to the rest of the graph; None: the whole graph has no loop
     """
@@ -58,7 +58,7 @@ class LongEdge:
 class Stranded:
     """Vertices that robots of a type cannot reach, or from which they cannot return.
 
-    vertices     -- vertices that edges do not join to the rest of the graph in both directions
+    vertices     -- vertices without a path to the rest of the graph, or without a path back
     behind_docks -- vertices to which edges lead only through a dock; no route leads through a dock
     """
 
@@ -74,7 +74,7 @@ class Survey:
     following_distance -- m between two robots of the largest type
     parking            -- ids of vertices: even if robots of any types stand on all of them, no
                           robot is cut off
-    near_edges         -- pairs of edges that exclude each other though they share no vertex
+    near_edges         -- pairs of edges that exclude each other although they share no vertex
     """
 
     following_distance: float
@@ -99,10 +99,10 @@ def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
 
 def _parking(network: RoadNetwork, fleet: Fleet,
              largest: RobotType) -> Tuple[FrozenSet[int], Tuple[Capacity, ...]]:
-    """Returns the parking vertices for robots of all types at once, and the capacity for each type
+    """Returns the parking vertices for robots of all types together, and the capacity for each type
     alone.
 
-    The parking vertices for all types are those of the largest type, because a smaller robot blocks
+    The parking vertices of the largest type serve for all types, because a smaller robot blocks
     less there.
     """
     anywhere = _anywhere(network, fleet)
@@ -163,7 +163,7 @@ def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
     roads = _roads(network, kind)
     docks = {network.vertex_ids[dock] for dock in network.docks}
     joined = _joined(network, roads)
-    passed = _joined(network, roads.subgraph(set(roads) - docks))  # by routes, which pass no dock
+    passed = _joined(network, roads.subgraph(set(roads) - docks))  # joined by routes
     ends = {dock for dock in docks if passed & set(roads.predecessors(dock))
             and passed & set(roads.successors(dock))}
     alone = {dock for dock in docks if network.graph.part_of(dock) <= docks}
@@ -175,7 +175,7 @@ def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
     """Returns the vertices of the largest strongly connected set in each part of the graph."""
     homes: Dict[FrozenSet[int], Set[int]] = {}
     for home in sorted(nx.strongly_connected_components(roads), key=len):
-        homes[network.graph.part_of(min(home))] = home  # the last one, the largest, stays
+        homes[network.graph.part_of(min(home))] = home  # the last and largest one stays
     return set().union(*homes.values())
 
 
@@ -197,8 +197,8 @@ def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[
 
 
 def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
-    """Returns a directed graph of vertex ids. It has the fastest edge from one vertex to another
-    that a robot of this type may drive.
+    """Returns a directed graph of vertex ids. If a robot of this type may drive from one vertex to
+    another, the graph has the fastest such edge.
     """
     roads = nx.DiGraph()
     roads.add_nodes_from(network.vertex_ids)

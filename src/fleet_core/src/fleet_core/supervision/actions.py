@@ -65,10 +65,10 @@ class AskPlanner:
     """Ask the planner for a plan. The planner's answer has the same number.
 
     edge_times -- learned driving times, in place of length / speed
-    alone      -- groups of places; because of a resource, only one robot at a time may be in each
+    alone      -- groups of places; a resource allows only one robot at a time in a group
     reserved   -- places of stations and queues; robots are parked elsewhere if possible
     seed       -- for the planner's random choices; it changes if a plan did not serve all robots
-    laden      -- types of robots with loads, besides those of the fleet
+    laden      -- types of robots with loads, in addition to the types of the fleet
     """
 
     number: int

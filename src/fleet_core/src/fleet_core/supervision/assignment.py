@@ -1,4 +1,4 @@
-"""Assignment: decides which robot serves which mission, so that all robots together drive little.
+"""Assignment: decides which robot serves which mission, so that the robots together drive little.
 """
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import NO_STATIONS, StationRoom
 
 _NEVER = 1e15   # s, in place of infinity: the matching needs finite costs
-# s: more than all driving times together, so that an older mission is served first, however far
-# away it is
+# s: more than all driving times together, so that an older mission is served first even if it is
+# far away
 _LATER = 1e7
 
 
@@ -45,11 +45,11 @@ class Assignment:
 def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
            networks: Networks, now: float, room: StationRoom = NO_STATIONS) -> Assignment:
-    """Assigns missions to robots: those of higher priority first, then the oldest.
+    """Assigns missions to robots: by descending priority, and by age if priorities are equal.
 
-    Among missions of one priority, the sum of the times to the first destinations is minimal.
-    The charge that a mission needs follows from nominal driving times. A station gets no more
-    robots than it and its queue hold.
+    Among missions of one priority, the sum of the times to the first destinations is minimal. The
+    charge that a mission needs follows from nominal driving times. A station gets no more robots
+    than the station and its queue have room for.
 
     own  -- by robot, what hinders it from serving any mission
     room -- the free places at stations and chargers before any of these missions gets a robot
@@ -93,7 +93,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
 def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
                acceptance: Acceptance, network: RoadNetwork,
                room: StationRoom) -> Dict[str, Hindrance]:
-    """Returns why each robot that may serve a mission cannot serve it now.
+    """Returns, for each robot that may serve a mission, why it cannot serve the mission now.
 
     own -- by robot, what hinders it from serving any mission
     """
@@ -124,7 +124,7 @@ def _on_the_way(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> 
 
 def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[str, ManagedRobot],
            networks: Networks) -> List[Tuple[Mission, str]]:
-    """Returns missions, each with the robot that is to serve it.
+    """Returns pairs of a mission and the robot that is to serve it.
 
     missions -- each with the names of the robots that can serve it
     """
@@ -193,8 +193,8 @@ def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
 def _unable(short: Sequence[ManagedRobot]) -> Tuple[str, str]:
     """Returns why no free robot can serve a mission.
 
-    The second value is the robot with the longest range among `short`, the free robots that are
-    short of charge.
+    The second value is the robot in `short` with the longest range. `short` has the free robots
+    whose charge is too low.
     """
     if not short:
         return 'none of the free robots can reach all its destinations', ''
@@ -214,7 +214,7 @@ def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
     """Returns the seconds from the robot's next resting place to a vertex, without traffic.
 
-    Infinite: there is no path, or the graph does not have the vertex (any more).
+    Infinite: there is no path, or the vertex is not in the graph.
     """
     record = robot.record
     if vertex not in network.index:

@@ -28,8 +28,8 @@ class Assumption(NamedTuple):
     """The assumption of a plan about one robot.
 
     generation -- generation of its route record
-    base       -- number, in the record, of the plan's first edge
-    end        -- number, in the record, that follows the last granted edge
+    base       -- number of the plan's first edge in the route record
+    end        -- the number that follows the last granted edge in the route record
     kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
@@ -75,7 +75,7 @@ class WorldView:
         """Returns the present state of all that a plan depends on.
 
         serving -- the missions that robots serve, by robot
-        limits  -- how far robots may go; a robot without an entry has no limit
+        limits  -- how far each robot may go; a robot without an entry has no limit
         """
         for name, robot in self._robots.items():
             mission, limit = serving.get(name), limits.get(name, NO_LIMIT)
@@ -125,7 +125,7 @@ class Assumptions:
 
     @staticmethod
     def _is_used_up(before: Assumption, errand: Errand) -> bool:
-        """Returns whether at most one destination that the plan includes is left."""
+        """Returns whether the plan includes at most one of the destinations that are left."""
         return before.reach is not None and errand.mission is not None and (
             errand.mission.reached >= before.reach - 1)
 

@@ -6,12 +6,12 @@ import math
 from fleet_core.supervision.liveness import Liveness
 from fleet_core.supervision.settings import RobotSettings
 
-# s without a battery report after which the charge is unknown, although the robot still reports
+# s: if a robot reports, but not its battery, its charge is unknown after this time
 MUTE = 60.0
 
 
 class Battery:
-    """A battery as its robot reports it. Times are those of the supervisor's clock.
+    """A battery as its robot reports it. Times are in s of the supervisor's clock.
 
     charge -- the last reported state of charge, from 0 to 1; NaN: never reported
     """
@@ -26,7 +26,7 @@ class Battery:
         self.charge, self._told = charge, now
 
     def is_mute(self, liveness: Liveness, now: float) -> bool:
-        """Returns whether there are no battery reports any more, although the robot reports."""
+        """Returns whether the robot still reports, but does not report its battery any more."""
         return now - max(self._told, liveness.since) > MUTE
 
     @property
@@ -54,8 +54,7 @@ class Battery:
 
     @property
     def is_below_idle(self) -> bool:
-        """Whether the charge is known, and so low that the robot charges while it has nothing to
-        do.
+        """Whether the charge is known and so low that the robot charges when it has nothing to do.
         """
         return self.charge < self._settings.idle_below
 

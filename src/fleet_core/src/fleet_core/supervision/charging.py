@@ -73,7 +73,7 @@ class ChargerDesk:
     """Gives robots their turns at chargers. The other robots wait.
 
     waiting -- for each robot that must charge and has no turn: what it waits for, in words
-    leaving -- robots without work in a full charger, if another robot has a turn there
+    leaving -- robots without work in a full charger while another robot has a turn there
     view    -- returns what is known of a device now
     """
 
@@ -90,9 +90,9 @@ class ChargerDesk:
 
     @property
     def reserved(self) -> FrozenSet[int]:
-        """The places of chargers that do not have room for a robot at each of their places.
+        """The places of chargers whose capacity is lower than the number of their places.
 
-        A robot that is parked at one place would keep robots from the other places.
+        A robot that is parked at one of these places would keep other robots from the other places.
         """
         return frozenset(place for one in self._chargers.values()
                          if one.capacity < len(one.places) for place in one.places)
@@ -121,8 +121,8 @@ class ChargerDesk:
                    now: float) -> Optional[Candidate]:
         """Returns a robot as a candidate for a turn; None: it need not charge, or cannot charge.
 
-        A robot that stands at its charger keeps its turn during an outage. A robot that works, but
-        does not report its charge any more, loses its turn, because it might stay there for ever.
+        A robot that stands at its charger keeps its turn during an outage. A robot that reports,
+        but not its charge, loses its turn, because it might stay there for ever.
         """
         if robot.works and robot.battery.is_mute(robot.liveness, now):
             if _has_to(robot, is_short) or (robot.battery.is_below_leaving
@@ -191,7 +191,7 @@ class ChargerDesk:
                     yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
     def _going(self, serving: Mapping[str, Mission]) -> Dict[str, int]:
-        """Returns, by robot, the place of a charger to which its mission goes now."""
+        """Returns, by robot, the place of the charger that is the mission's next destination."""
         return {name: mission.left[0] for name, mission in serving.items()
                 if mission.left and mission.left[0] in self.at and follows(mission)}
 
@@ -199,8 +199,8 @@ class ChargerDesk:
         """Returns the robots that take the places of chargers, by the charger's name.
 
         A robot that only tops up takes no place, because it gives way to missions. A robot whose
-        mission has no stay at the dock takes no place either: before the next robot comes, it makes
-        room.
+        mission has no stay at the dock takes no place either: it makes room before the next robot
+        comes.
         """
         serving = self._book.serving
         going = self._going(serving)
@@ -218,14 +218,14 @@ class ChargerDesk:
 
     def _occupancy(self, waiters: Mapping[str, Tuple[int, ...]],
                    inside: Sequence[_Stay]) -> Occupancy:
-        """Returns the robots that go to a charger for a mission, and those that stay in it."""
+        """Returns the robots that go to a charger for a mission, and the robots that stay in it."""
         kept = frozenset(stay.place for stay in inside if stay.place is not None)
         robots = (*waiters, *(stay.robot for stay in inside))
         return Occupancy(robots, tuple(waiters.values()), Others(len(inside), kept, kept),
                          doing=tuple(map(self._doing, robots)))
 
     def _doing(self, name: str) -> str:
-        """Returns what a robot at a charger does there, in words that follow its name."""
+        """Returns what a robot does at a charger, in words that follow the robot's name."""
         robot, mission = self._robots.get(name), self._book.of_robot(name)
         if robot is None or robot.outage is not None:
             return 'which is not in service'
@@ -269,7 +269,7 @@ class ChargerDesk:
 
 
 def _is_to_stay(mission: Optional[Mission], charger: Charger) -> bool:
-    """Returns whether a robot that works stays in a charger for its mission."""
+    """Returns whether a robot without outage stays in a charger for its mission."""
     return mission is not None and (
         not follows(mission) or mission.dwell_until is not None
         or bool(mission.left) and mission.left[0] in charger.places)

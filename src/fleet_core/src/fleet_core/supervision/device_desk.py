@@ -1,7 +1,7 @@
-"""The device desk: what devices report, and the requests that they have not obeyed yet.
+"""The device desk: the reports of devices, and the requests that the devices have not obeyed yet.
 
 A device is a door, a light or an air lock outside this program. Each request contains everything
-that is wanted of the device. So a lost or repeated request does no harm. A device does not obey a
+that the device is to do. So a lost or repeated request does no harm. A device does not obey a
 request that is older than the last one.
 """
 from __future__ import annotations
@@ -52,10 +52,10 @@ class DeviceDesk:
         self._sent: Dict[str, _Sent] = {}
 
     def report(self, report: DeviceReport, now: float) -> None:
-        """Handles a report. A report that is older than the newest one changes nothing.
+        """Handles a report. A report that is older than an earlier one changes nothing.
 
-        The times in the report are those of the supervisor's clock. If the time of a reading is
-        more than AHEAD s after `now`, a clock is wrong. Then the age of the reading is unknown.
+        The times in the report are in s of the supervisor's clock. If the time of a reading is more
+        than AHEAD s after `now`, a clock is wrong. Then the age of the reading is unknown.
         """
         name = report.device
         resource = self._claims.needs.resources.get(name)
@@ -68,7 +68,7 @@ class DeviceDesk:
             report = replace(report, read_at=None if is_wrong else now)
         self._reports[name] = report
         number = _own(report).number
-        if number > self._claims.number:  # the journal was lost, and the clock was set back
+        if number > self._claims.number:  # the journal was lost and the clock set back
             self._claims.outnumber(number)
 
     def update_open(self, now: float) -> None:
@@ -87,9 +87,9 @@ class DeviceDesk:
         return _OLD
 
     def due(self, now: float) -> List[AskDevice]:
-        """Returns the requests to send now: those that no fresh report shows.
+        """Returns the requests that no fresh report shows; they must be sent now.
 
-        While a robot may be anywhere, it may be in a door. So no device is asked for anything.
+        While a robot may be anywhere, it may be in a door. So no requests are sent.
         """
         found: List[AskDevice] = []
         if not self._claims.requests or self._unknown():

@@ -12,8 +12,8 @@ from fleet_core.supervision.robot_plan import RobotPlan
 from fleet_core.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
-UNTIL_RELEASED = 3600.0  # s that are planned for a dwell without an end
-WINDOW = 8               # number of a mission's destinations that are planned at once
+UNTIL_RELEASED = 3600.0  # s: the planned duration of a dwell without an end
+WINDOW = 8               # maximum number of a mission's destinations in one plan
 
 
 class Duty(Enum):
@@ -35,9 +35,9 @@ class StationLimit(NamedTuple):
     reach  -- number of its mission's destinations before the next station for which it has no turn;
               None: it has no such station ahead
     waits  -- its next destination is at that station
-    place  -- the queue place at which it waits; None: it waits where it is
+    place  -- the queue place for the robot; None: it waits where it is
     is_there -- the edges that it was granted end at that queue place
-    leaves -- it has no work at its station or charger, and another robot waits to come there
+    leaves -- it has no work at its station or charger, and another robot waits for its place
     """
 
     reach: Optional[int] = None
@@ -69,7 +69,7 @@ class Errand:
         """A key that stays the same as long as a plan for the errand is useful.
 
         A stay without an end is planned to last long. So the key changes when such a stay ends. The
-        key also changes when a robot had to leave its queue place, so that a plan leads it back.
+        key also changes when a robot had to leave its queue place: a new plan must lead it back.
         """
         if self.mission is None or self.duty is Duty.QUEUE:
             return self.duty, self.place or 0, int(self.limit.is_there), 0, 0
@@ -84,7 +84,7 @@ class Errand:
 
     @property
     def is_to_drive(self) -> bool:
-        """Whether the robot is to leave its place. If so, the other robots make room for it."""
+        """Whether the robot is to drive to another place. If so, other robots make room for it."""
         if self.duty is Duty.QUEUE:
             return self.limit.leaves or self.place is not None and not self.limit.is_there
         return self.limit.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
@@ -118,7 +118,7 @@ class Visits(NamedTuple):
 
 def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float,
              end: Optional[int] = None) -> Visits:
-    """Returns the next destinations after those that the released edges ahead visit already.
+    """Returns the next destinations, without those that the released edges ahead visit already.
 
     end -- number of destinations that the robot may visit now; None: all
     """

@@ -1,9 +1,9 @@
-"""Stops all robots while no supervisor can do so: without a graph, or while the supervisor hangs.
+"""Stops all robots while no supervisor can stop them: there is no graph, or the supervisor hangs.
 
 Each robot gets a stop with the number 0. Such a stop begins a new epoch, so the robot obeys no
-order that is still on its way. As soon as the supervisor can, it stops the robots once more, in its
-usual way. If a supervisor hung and was killed, its successor stops the fleet when robots report
-such an epoch.
+order that is still on its way. As soon as the supervisor works, it stops the robots once more in
+its usual way. If it is killed instead, its successor stops the fleet when robots report such an
+epoch.
 """
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class EarlyStop:
         return self._orders(repeated=False)
 
     def due(self, now: float) -> Sequence[SendRoute]:
-        """Returns the orders to repeat at `now`, for robots that were not connected yet.
+        """Returns the orders to repeat at `now`, for robots that were not connected before.
 
         Empty if none.
         """

@@ -16,9 +16,9 @@ from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.planning.plan_requests import Times
 
-KEPT = 9         # number of last drives of an edge; their median ignores a single long wait
+KEPT = 9         # last drives of an edge that are kept; their median ignores a single long wait
 ENOUGH = 3       # number of drives after which the median replaces the nominal time
-# relative change of a time that justifies a new table; for each table, planners must prepare again
+# relative change of a time that justifies a new table, for which planners must prepare again
 WORTH_IT = 0.2
 PERIOD = 60.0    # s between two tables
 
@@ -43,7 +43,7 @@ class EdgeTimer:
         self._counts = False
 
     def stop(self) -> None:
-        """Ignores the time of the edge that is being driven."""
+        """Ignores the time of the edge that the robot drives now."""
         self._counts, self._since = False, None
 
     def follow(self, record: RouteRecord, now: float) -> Optional[Driven]:
@@ -58,7 +58,7 @@ class EdgeTimer:
             self._number, self._since = record.done, None
         if self._counts and self._since is None and record.ahead:
             if record.position is None or record.position.vertex is None:
-                self.stop()  # it begins in the middle of an edge
+                self.stop()  # the robot begins in the middle of an edge
             else:
                 self._edge, self._since = record.ahead[0], now
         return driven
@@ -113,7 +113,7 @@ class EdgeTimes:
             self._medians[key] = middle
 
     def usual(self, kind: str) -> float:
-        """Returns the ratio of needed to nominal time, for the edges that robots of a type drove.
+        """Returns needed time divided by nominal time, over all edges that robots of a type drove.
 
         It is 1 until they have made ENOUGH drives.
         """
@@ -126,7 +126,7 @@ class EdgeTimes:
         return self.usual(kind) * self._nominal(kind, edge) if learned is None else learned
 
     def renew(self, now: float) -> bool:
-        """Makes a new table if the times have changed enough. Returns whether it did."""
+        """Makes a new table if the times have changed enough. Returns whether there is one."""
         nominal = self._nominal
         if now - self._looked < PERIOD:
             return False

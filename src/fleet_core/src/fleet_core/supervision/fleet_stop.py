@@ -22,7 +22,7 @@ class StopCause(IntEnum):
     DEFECT = 3
     """The fleet manager has found an error of its own."""
     UNKNOWN = 4
-    """An older version has stored the stop, without a record."""
+    """An older version of this program has stored the stop, without author, time and reason."""
 
 
 @dataclass(frozen=True)

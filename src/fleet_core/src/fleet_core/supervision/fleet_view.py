@@ -58,9 +58,9 @@ class RobotState(IntEnum):
 WORKING, ASKS = 'working', 'needs a person'
 LOAD_WORDS: Mapping[LoadState, str] = {
     LoadState.LOADED: 'load of {mission}', LoadState.UNKNOWN: 'load unknown'}
-"""What a robot carries, as people read it; `mission`: the short name of the load's mission."""
+"""What a robot carries, in words for people; `mission`: the short name of the load's mission."""
 LOAD_MOVES = 'load is being moved'
-"""The words while a step takes or gives the load. Then no person has to look at the robot."""
+"""The words while a step takes or gives the load: no person has to look at the robot then."""
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
@@ -104,7 +104,7 @@ class RobotView:
 class FleetView:
     """The state of the fleet at one moment, for displays and diagnoses.
 
-    trouble  -- why nothing can be stored, as a clause; empty: data can be stored
+    trouble  -- why nothing can be stored, as a clause; empty: everything can be stored
     stop     -- the stop of the fleet; if it is not in force, the fleet is not stopped
     no_plan  -- why there is no plan, as a clause; empty: there is a plan, or none is needed yet
     unserved -- the robots for which the plan has no path
@@ -138,8 +138,8 @@ def fleet_view(supervisor: Supervisor, now: float) -> FleetView:
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
-    """Returns all robots of the fleet, and the robots that are not in the fleet file any more but
-    still block places.
+    """Returns all robots of the fleet, and the robots that have left the fleet file but still block
+    places.
     """
     errands = supervisor.errands()
     return [*(_view(robot, errands[name], supervisor, now)
@@ -190,8 +190,8 @@ def _removed_view(robot: RemovedRobot, supervisor: Supervisor) -> RobotView:
 class PlanProgress(NamedTuple):
     """A plan and its progress. Both stay unchanged while other threads read them.
 
-    robots -- by name, the number of the edge on which it drives, and the number after its last
-              granted edge
+    robots -- by name, the numbers of the robot's present edge and of the edge after its last
+              granted one
     """
 
     plan: PlanInForce
@@ -209,7 +209,7 @@ def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
 
 
 def plan_views(progress: Optional[PlanProgress]) -> List[Tuple[str, List[DriveView]]]:
-    """Returns the plan of each robot, from the edge that it drives on."""
+    """Returns the plan of each robot, beginning with its present edge."""
     if progress is None:
         return []
     plan, found = progress.plan, []

@@ -8,7 +8,7 @@ from typing import Mapping
 class Hindrance(IntEnum):
     """Why a robot cannot serve a mission, as in itrci_nav_msgs/RobotHindrance.
 
-    If several apply, the first of them in this list counts.
+    If several hindrances apply, the first one in this list counts.
     """
 
     NONE = 0

@@ -1,4 +1,4 @@
-"""The history of all missions, as every program reads it from the supervisor's journal."""
+"""The history of all missions. Programs read it from the supervisor's journal."""
 from __future__ import annotations
 
 import math
@@ -36,7 +36,7 @@ class HistoryLine(NamedTuple):
 
     @property
     def waited(self) -> Optional[float]:
-        """s from acceptance to start, or to an end without a start; None: it still waits."""
+        """s from acceptance to start, or to the end if it never started; None: still waiting."""
         begun = self.started if self.started is not None else self.ended
         return None if begun is None else begun - self.accepted
 
@@ -67,11 +67,11 @@ def row_of(line: HistoryLine, moment: Callable[[float], str]) -> List[str]:
 
 
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
-    """Yields all missions in the history, read page by page. The supervisor may write meanwhile.
+    """Yields all missions in the history, read page by page. The supervisor may still write.
 
     Raises NoJournal if there is no such file, and JournalError if it is no journal.
 
-    since -- s since 1970: ended missions that have not changed since then are omitted
+    since -- s since 1970: missions that ended before and have not changed since are omitted
     """
     wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
     if not os.path.isfile(path):
@@ -107,9 +107,9 @@ def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
     """Opens a journal for reading.
 
     The second value is a function. It returns whether all data that were read belong to one moment.
-    SQLite ensures this with files beside the journal. In a folder that this process may not write,
-    SQLite cannot make these files. If no supervisor has made them either, the function looks
-    whether the journal file has changed.
+    SQLite ensures this with files beside the journal, but cannot make these files in a folder that
+    this process may not write. If no supervisor has made them either, the function checks whether
+    the journal file has changed.
     """
     address = f'file:{quote(os.path.abspath(path))}?mode=ro'
     if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):

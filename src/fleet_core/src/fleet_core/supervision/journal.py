@@ -125,7 +125,7 @@ class Journal:
         robots   -- by name, the state of a robot; None: it has left the fleet for good
         values   -- numbers by name
         graph    -- the graph to which the robots' data refer
-        stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
+        stays    -- by the serial of a mission, how long ago (s) its robot began to stay where it is
         stop     -- whether the fleet is stopped; None: unchanged
         works    -- by the serial of a mission, the progress of its steps; None: it has ended
         loads    -- by name, what a robot carries
@@ -178,9 +178,9 @@ class Journal:
             self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
 
     def forget(self, age: float, most: int = 200) -> int:
-        """Deletes at most `most` missions that ended more than `age` s ago. Returns how many.
+        """Deletes at most `most` missions that ended more than `age` s ago. Returns their number.
 
-        The last mission stays, so that no serial is used twice. Raises JournalUnavailable.
+        The last mission is kept, so that no serial is used twice. Raises JournalUnavailable.
         """
         serials = [row[0] for row in self._run(
             f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN {OPEN_STATES} '
@@ -245,7 +245,7 @@ class Journal:
         return [_mission(row) for row in rows]
 
     def stays(self) -> Dict[int, float]:
-        """Returns, by serial, how long (s) each mission stays where it is; at least 0."""
+        """Returns, by serial, how long (s) each mission has stayed where it is; at least 0."""
         now = self._clock()
         return {int(serial): max(now - began, 0.0)
                 for serial, began in self._run('SELECT serial, began FROM stay')}

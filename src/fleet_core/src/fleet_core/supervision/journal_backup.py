@@ -1,4 +1,4 @@
-"""Copies a journal while it is in use, and turns an old copy into the journal again."""
+"""Copies a journal while it is in use, and makes an old copy the journal again."""
 from __future__ import annotations
 
 import os
@@ -16,7 +16,7 @@ REASON = 'the journal was restored from a backup'
 
 
 def copy_database(path: str, copy: str) -> None:
-    """Copies an SQLite file as it is at one moment, even while a program writes it.
+    """Copies an SQLite file in its state at one moment, even while a program writes to it.
 
     Raises sqlite3.Error.
     """
@@ -29,9 +29,9 @@ def copy_database(path: str, copy: str) -> None:
 def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
     """Removes everything that may be outdated from an old journal, and cancels its open missions.
 
-    Robots and missions went on after the copy was made. So the fleet manager must begin as if the
-    journal had been lost: without robots, routes and open missions. Then robots report where they
-    are. The history stays. Returns how many missions were cancelled. Raises JournalError.
+    Robots and missions went on after the copy was made. So the fleet manager must begin as after
+    the loss of the journal: without robots, routes and open missions. Then the robots report where
+    they are. The history stays. Returns how many missions were cancelled. Raises JournalError.
     """
     file = JournalDatabase(path)
     try:

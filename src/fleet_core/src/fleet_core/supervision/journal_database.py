@@ -78,7 +78,7 @@ class UnknownLayout(JournalError):
 
 
 class JournalUnavailable(JournalError):
-    """The journal cannot be used now, but may be later: the disk is full or not writable.
+    """The journal cannot be used now, but perhaps later: the disk is full or not writable.
 
     reason -- the text of the exception, as a clause
     """
@@ -90,7 +90,7 @@ class JournalUnavailable(JournalError):
 
 
 class _Identity(NamedTuple):
-    """The identity of a file and its first 100 bytes, in which SQLite counts changes."""
+    """The identity of a file, and its first 100 bytes; in these SQLite counts changes."""
 
     device: int
     inode: int
@@ -142,8 +142,8 @@ class JournalDatabase:
     def transaction(self) -> Iterator[sqlite3.Connection]:
         """Yields a transaction: at its end either all of its changes are on the disk, or none.
 
-        Raises JournalUnavailable, also if the file is not the file of the last commit. Data would
-        be lost if they were written to a file that was deleted or replaced.
+        Raises JournalUnavailable, also if the file was deleted or replaced since the last commit.
+        Data that were written to the old file would be lost.
         """
         self._check()
         try:
@@ -183,7 +183,7 @@ class JournalDatabase:
 
 
 def _locked(path: str) -> int:
-    """Locks a file beside the journal, because SQLite locks the journal itself.
+    """Locks a file beside the journal, because SQLite itself locks the journal file.
 
     Returns the descriptor of the file.
     """

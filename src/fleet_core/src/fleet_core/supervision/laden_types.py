@@ -1,8 +1,8 @@
 """The types of robots with loads.
 
-A robot with a load is a robot of another type (`fleet.RobotType`). This type has another radius and
-another speed, and edges that are closed to it. So the planner and the interlocking need no rules
-for loads. A site without types of load has no such types of robots.
+A robot with a load counts as a robot of another type (`fleet.RobotType`). This type has another
+radius and another speed, and edges that are closed to it. So the planner and the interlocking need
+no rules for loads. A site without types of load has no such types of robots.
 """
 from __future__ import annotations
 

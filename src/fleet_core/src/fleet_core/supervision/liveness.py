@@ -8,7 +8,7 @@ from route_protocol.values import ANSWERED_WITHIN, Motion
 from trajectory_graph import Graph
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
-# s after which a robot that reports, but has not answered an order, counts as deaf
+# s: a robot that reports, but does not answer an order for this time, counts as deaf
 ANSWER = ANSWERED_WITHIN + 1.0
 
 
@@ -19,12 +19,12 @@ class Liveness:
         self.seen = -math.inf
         """Time of its last report; minus infinity: never."""
         self.since = -math.inf
-        """Time since which it has reported without a silence."""
+        """Begin of the time in which it has reported without a silence."""
         self.stands = False
         """Whether the last report says that the robot stands."""
         self._pose = Pose()
-        self._moved = -math.inf      # when it was last seen to move (to _pose), or first seen
-        self._answered = -math.inf   # when it last had no order to answer, or took one up
+        self._moved = -math.inf      # when it was last seen to move (to _pose), or was first seen
+        self._answered = -math.inf   # when it last had no order to answer, or answered one
 
     @property
     def is_seen(self) -> bool:
@@ -43,11 +43,11 @@ class Liveness:
         self.stands = report.motion is Motion.STANDING
 
     def is_silent(self, now: float) -> bool:
-        """Returns whether the robot has reported before, but not for SILENCE s."""
+        """Returns whether the robot has reported before, but not in the last SILENCE s."""
         return self.is_seen and now - self.seen > SILENCE
 
     def stands_for(self, now: float) -> float:
-        """Returns the seconds since it was last seen to move, or first seen.
+        """Returns the seconds since the robot was last seen to move, or was first seen.
 
         0: it does not report.
         """

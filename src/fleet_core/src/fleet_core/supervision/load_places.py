@@ -1,13 +1,13 @@
-"""Finds places at which a robot stands too near to places where other robots have loads.
+"""Finds places at which a robot is too near to places where other robots have loads.
 
 A robot with a load may need more room than without it (`load_room`). Another robot may be too near:
 at a queue place, at a dock, or at a place of a station. While it is there, the first robot gets
-neither its load nor the last edge to its stop. To send the other robot away takes time. If it
+neither its load nor the last edge to its stop. It takes time to send the other robot away. If it
 cannot leave, the load stays where it is.
 
 What robots carry follows from the templates and the steps of jobs. A parameter may stand for any
-place of a station, or for a place that a timetable names. Missions that are sent with stops of
-their own are not known in advance.
+place of a station, or for a place that a timetable names. Missions that are sent with their own
+stops are not known in advance.
 """
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class TooNear:
     loads    -- names of the types of these loads
     distance -- m between the two vertices
     needed   -- m that must be between robots at the two vertices
-    is_queue -- robots wait at `place` with their loads; False: they take or bring loads there
+    is_queue -- True: robots wait at `place` with their loads; False: they take or bring loads there
     """
 
     other: int
@@ -130,8 +130,7 @@ def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
 
 
 def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_Stand]:
-    """Returns the queue places of all stations, where robots wait with the loads that they bring.
-    """
+    """Returns the queue places of all stations, with the loads that waiting robots bring."""
     return [_Stand(vertex, f'queue place {vertex} of station {station.name}', fleet.all_types,
                    {load for one in station.places for load in comes.get(one, ())})
             for station in work.stations.values() for vertex in station.queue]
@@ -139,7 +138,7 @@ def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_S
 
 def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
             has: Dict[int, Set[str]]) -> Iterator[_Stand]:
-    """Yields where other robots may stand while a robot is at `place`, except queue places."""
+    """Yields the places where others may stand while a robot is at `place`; no queue places."""
     kinds = fleet.all_types
     for station in work.stations.values():
         if place not in station.places or station.capacity > 1:
@@ -155,7 +154,7 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
     """Returns the places of a station that are to be compared with `place`.
 
-    Omits a lower vertex at which robots have loads: the call for that vertex yields the same pair.
+    Omits a lower vertex if robots have loads there: the call for that vertex yields the same pair.
     """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]

@@ -1,15 +1,15 @@
 """The room that robots hold for their loads.
 
-A robot with a load has another type (`laden_types`). The radius of this type may be larger, so the
-change to it is like a grant: the robot's allocation with this radius must not exclude any other
-robot's allocation.
+A robot with a load has another type (`laden_types`). This type may have a larger radius. So a
+change of the type is like a grant: the robot's allocation with the new radius must not exclude the
+allocation of any other robot.
 
-- If a robot takes a load at its next stop, it gets a type with room for the load. It gets
-  this type as soon as no other robot is in the way, usually long before it arrives at the stop. So
-  the planner takes the room into account, and leads other robots away.
+- If a robot takes a load at its next stop, it gets a type with room for the load. It gets the type
+  as soon as no other robot is in the way, usually long before it reaches the stop. So the planner
+  takes the room into account, and leads other robots away.
 - The step that takes the load does not begin before the robot has this type.
 - A load that a robot carries, or may carry, counts at once, even if only a person says so. If other
-  robots are too near at that time, the interlocking grants them nothing, as after any evidence.
+  robots are too near then, the interlocking grants them nothing, as after any evidence.
 """
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class LoadRoom:
         self._geometry, self._clearance = geometry, clearance
         self._own: Dict[str, RobotType] = {name: one.type for name, one in robots.items()}
         self.in_the_way: Dict[str, str] = {}
-        """For each robot that has no room to take its load: a robot that is too near."""
+        """Key: a robot that has no room to take its load; value: a robot that is too near to it."""
         for name in robots if laden else ():
             self._become(name, self._at_least(name))
 
@@ -61,8 +61,8 @@ class LoadRoom:
         return changed
 
     def to_be_made(self) -> RoomForLoads:
-        """Returns which robots must leave, and which vertices must stay free, so that robots at
-        their stops can take loads.
+        """Returns the robots that must leave, and the vertices that must stay free, before robots
+        at their stops can take loads.
         """
         robots: Set[str] = set()
         places: Set[int] = set()
@@ -88,7 +88,7 @@ class LoadRoom:
         return self._robots[name].type.reach < needed.reach
 
     def _at_least(self, name: str) -> RobotType:
-        """Returns the type of a robot for the load that it carries, or may carry."""
+        """Returns the type that a robot needs for the load that it carries, or may carry."""
         return self._laden.laden(self._own[name], self._desk.load(name).may_be)
 
     def _wanted(self, name: str) -> RobotType:

@@ -11,7 +11,7 @@ from fleet_core.work.devices import StepDevice
 from fleet_core.work.work import Work
 from route_protocol.steps import StepReport
 
-FRESH = 3.0  # s for which a report counts; a machine reports each second
+FRESH = 3.0  # s after which a report does not count any more; a machine reports each second
 
 
 class MachineState(IntEnum):
@@ -35,11 +35,11 @@ _WORDS = {MachineState.SILENT: 'offline', MachineState.FREE: 'free',
 class MachineView:
     """The published state of one machine.
 
-    places -- where it stands according to the work file; if the file does not say this, where it
-              works now; empty: unknown
-    key    -- of the step that it carries out; 0: none
+    places -- where it stands according to the work file, or, if the file does not say this, where
+              it works now; empty: unknown
+    key    -- key of the step that it carries out; 0: none
     robot  -- the robot for which it works; empty: none, or no known mission has the step
-    serial -- of the mission for which it works; 0: none, or no known mission has the step
+    serial -- serial of the mission for which it works; 0: none, or no known mission has the step
     """
 
     name: str
@@ -60,7 +60,7 @@ class _Heard(NamedTuple):
 class MachineReports:
     """The newest report of each machine. `now` is in s of a clock that never steps back.
 
-    machines -- those of the site, by name
+    machines -- the machines of the site, by name
     """
 
     def __init__(self, machines: Mapping[str, StepDevice]) -> None:
@@ -73,7 +73,7 @@ class MachineReports:
         return None if heard is None else heard.report
 
     def keep(self, name: str, report: StepReport, now: float) -> None:
-        """Keeps a report that is newer than those before it."""
+        """Keeps a report, which must be newer than all earlier reports."""
         self._heard[name] = _Heard(report, now)
 
     def views(self, book: MissionBook, works: Mapping[int, Work], now: float) -> List[MachineView]:
@@ -101,7 +101,7 @@ class MachineReports:
 
 def _place_of_step(device: str, key: int, mission: Mission,
                    works: Mapping[int, Work]) -> Optional[int]:
-    """Returns the vertex of the stop at which a mission has this step.
+    """Returns the vertex of the stop of a mission that has this step.
 
     None: the mission does not have the step.
     """

@@ -20,14 +20,14 @@ from fleet_core.supervision.pending_missions import PendingMissions
 from fleet_core.work.dependencies import Dependency, Until
 
 MOST_OPEN = 5000   # maximum number of open missions; more are a mistake, and delay urgent work
-MOST_AFTER = 100   # maximum number of missions after which one mission may come
-REMEMBERED = 1000  # number of ended missions whose requests are recognised if they are repeated
+MOST_AFTER = 100   # maximum number of missions for which one mission may wait
+REMEMBERED = 1000  # number of ended missions for which a repeated request is recognised
 
 
 class MissionBook:
-    """All open missions, and for each id the last mission, if it is open or ended lately.
+    """All open missions. Also the last mission of each id, if it is open or ended recently.
 
-    stays -- by serial, the supervisor's time since which a mission stays at a destination
+    stays -- by serial, the supervisor's time at which a mission's stay at a destination began
 
     It has one method for each change of a mission, so that the tables by serial, robot and
     successor agree.
@@ -41,12 +41,12 @@ class MissionBook:
         self._ended: Deque[Mission] = deque()
         self._next = next_serial
         self.pending = PendingMissions()
-        """The missions that no robot serves."""
+        """The open missions that no robot serves."""
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and published."""
         self._begun_stays: Set[int] = set()
         self._followers: Dict[int, List[Mission]] = {}
-        """Missions that wait for others, by the serial of each mission for which they wait."""
+        """The missions that wait for another mission, by the serial of that mission."""
         self.timed: Dict[int, Mission] = {}
         """The open missions with an earliest time or a deadline, by serial."""
         for mission in missions:
@@ -127,7 +127,7 @@ class MissionBook:
             self.timed[mission.serial] = mission
 
     def _open_dependencies(self, request: Request) -> Tuple[Dependency, ...]:
-        """Returns the missions for which a request waits, with their serials. Raises
+        """Returns the open missions for which a request must wait, with their serials. Raises
         RequestRefused.
 
         All these missions were accepted before. So missions never wait for each other in a ring.
@@ -163,7 +163,7 @@ class MissionBook:
                         ended.append(follower)
 
     def _is_over(self, mission: Mission, ended: Mission) -> None:
-        """Notes that one of the missions for which a mission waits has ended."""
+        """Notes that `ended` has ended; `mission` waits for it."""
         after = mission.request.after
         if not all(_is_met(one, ended) for one in after if one.serial == ended.serial):
             self._set(mission, MissionState.FAILED,
@@ -189,7 +189,7 @@ class MissionBook:
 
     def set(self, mission: Mission, state: MissionState, reason: str = '',
             robot: Optional[str] = None) -> None:
-        """Changes a mission. A mission that has ended does not change any more."""
+        """Changes the state of a mission. A mission that has ended does not change any more."""
         was_open = mission.state.is_open
         self._set(mission, state, reason, robot)
         if was_open and not state.is_open:
@@ -221,7 +221,7 @@ class MissionBook:
             self.changed.add(mission.serial)
 
     def change(self, mission: Mission, change: MissionChange) -> None:
-        """Changes the priority of a mission, and the destinations that are left."""
+        """Changes the priority of a mission, and its remaining destinations."""
         is_pending = mission in self.pending
         if is_pending:
             self.pending.remove(mission)

@@ -39,7 +39,7 @@ def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
     elif command is CommandKind.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
-        if not name:  # if its earliest time has come, `MissionTimes.follow` soon notes it
+        if not name:  # if its earliest time is past, `MissionTimes.follow` soon notes this
             book.set(mission, *waits_as(mission.request))
         else:
             book.set(mission, MissionState.ACTIVE)

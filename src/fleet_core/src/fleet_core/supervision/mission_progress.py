@@ -1,4 +1,4 @@
-"""Progress of missions: destinations reached, dwells, and robots that drop out."""
+"""Progress of missions: visited destinations, dwells, and robots that drop out."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -44,9 +44,9 @@ def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
 def _dwell(book: MissionBook, mission: Mission, vertex: Optional[int], now: float) -> None:
     """Begins or ends the dwell at a destination, according to the vertex where the robot stands.
 
-    A robot may have left during its dwell, because it was pushed away or the journal is an old one.
-    Then it comes back, and its dwell begins anew. The work desk ends the dwells of missions with
-    steps.
+    A robot may have left its destination during the dwell: it was pushed away, or the journal is an
+    old one. Then it comes back, and its dwell begins anew. The work desk ends the dwells of
+    missions with steps.
     """
     while mission.state.is_open and mission.left and mission.left[0] == vertex:
         if mission.stays_since is None:

@@ -1,6 +1,6 @@
 """Missions with an earliest time or a deadline: when they begin, expire, or count as late.
 
-The times are moments (s since 1970), so they do not move if the clock is set. If the clock is set
+The times are moments (s since 1970), so they stay the same if the clock is set. If the clock is set
 back, a mission that has begun or expired stays in that state.
 """
 from __future__ import annotations
@@ -46,7 +46,7 @@ class MissionTimes:
     def until_earliest(self, mission: Mission) -> float:
         """Returns the seconds until the earliest time of a mission.
 
-        0: it has come, or there is none.
+        0: this time has come, or the mission has none.
         """
         return max(mission.request.earliest - self._clock() / 1000.0, 0.0)
 

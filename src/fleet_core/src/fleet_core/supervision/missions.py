@@ -27,7 +27,7 @@ class MissionState(IntEnum):
     REFUSED = 4
     CANCELLED = 5
     PAUSED = 6
-    CANCELLING = 7     # it ends, and its steps end or its load is brought away
+    CANCELLING = 7     # it is ending: its steps end, or its load is brought away
     NEEDS_PERSON = 8   # a step asks, or its load is not where it should be
     BLOCKED = 9        # it waits for other missions
     PLANNED = 10       # it waits for its earliest time
@@ -62,7 +62,7 @@ class CommandKind(IntEnum):
     RESUME = 2
     RELEASE = 3
     MODIFY = 4
-    ANSWER = 5   # to a step that asks
+    ANSWER = 5   # the answer to a step that asks
 
 
 class CommandCode(IntEnum):
@@ -83,11 +83,11 @@ class Request:
     dwells     -- s to stay at each destination; negative: until released; empty: no stays
     stamp      -- time (s) at which it was sent; 0: the sender gave none
     requested_by -- person or program, for the records; empty: the sender gave none
-    stops      -- the destinations with their steps; empty: nothing is to be done there
+    stops      -- the destinations with their steps; empty: the mission has no steps
     on_cancel  -- stops that the robot may make after a cancellation
-    after      -- missions that must end before it begins; those that have ended are left out
+    after      -- missions that must end before it begins, without those that have ended
     template   -- name of the template from which its stops were made; empty: none
-    arguments  -- of the template, by parameter
+    arguments  -- the arguments of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
     deadline   -- s since 1970 by which it is to be done; 0: there is none
 
@@ -116,14 +116,14 @@ class Request:
 
     @property
     def identity(self) -> Tuple[object, ...]:
-        """The key that is the same for all copies of one request.
+        """A key that is the same for all copies of one request.
 
         The key of a request with a stamp has only the id, the stamp, the robot and the type, so
         MODIFY does not change it. Without a stamp, the key also has the priority, and the
         destinations or stops. In place of the stops of a template, it has the template's name and
-        arguments, because the template may have changed. It has the name of a group, not the chosen
-        place. Fields that later versions add to the message are not part of the key. Otherwise an
-        update would repeat missions.
+        arguments, because the template may have changed. If a stop names a group, the key has the
+        group's name, not the chosen place. The key does not have the fields that later versions add
+        to the message. Otherwise an update would repeat missions.
         """
         places: Tuple[object, ...] = (self.template, self.arguments) if self.template else (
             _as_asked(self.stops), _as_asked(self.on_cancel), self.dwells) if self.stops else (
@@ -156,7 +156,7 @@ class MissionChange:
 class StepAnswer:
     """The answer of a person, or of a program, to a step of a mission.
 
-    key -- of the step that is answered; 0: the step that asks
+    key -- key of the answered step; 0: the step that asks
     """
 
     answer: StepDecision
@@ -167,12 +167,12 @@ class StepAnswer:
 class Status:
     """The published status of a request.
 
-    stamp        -- time (s) at which it was sent; it distinguishes requests with the same id
+    stamp        -- time (s) at which the request was sent; distinguishes requests with the same id
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: no step waits
     template, arguments, earliest, deadline -- as in the request
-    serial       -- of the mission; 0: the request was not accepted
-    priority, destinations -- those in force now
+    serial       -- serial of the mission; 0: the request was not accepted
+    priority, destinations -- the present ones
 
     Each attribute is a field of the published status.
     """
@@ -202,13 +202,13 @@ class Mission:
 
     serial      -- number of the mission among all accepted ones; it is never used twice, unlike ids
     reached     -- number of visited destinations; a dwell there has ended
-    stays_since -- the supervisor's time since which it stays at a destination; None: it does not
-                   stay
+    stays_since -- the supervisor's time when its stay at a destination began; None: it does not
+                   stay now
     reason      -- why it ended, or what it waits for
-    changes     -- number of times that its destinations were changed; earlier plans are useless
+    changes     -- number of changes of its destinations; plans from before a change are useless
     stored      -- its status on the disk; None: it is not stored yet
-    changed_by  -- the person or program that requested changes which are not stored yet; empty:
-                   no such change, or no name
+    changed_by  -- the person or program that requested the changes that are not stored yet; empty:
+                   no such changes, or no name
     is_held     -- its robot must stand because of its steps, as the `WorkDesk` decides
     is_bound    -- its robot may carry its load, so no other robot may serve it
     has_worked  -- one of its steps was ordered, so the mission has begun
@@ -245,12 +245,13 @@ class Mission:
 
     @property
     def has_begun(self) -> bool:
-        """Whether a robot serves it, or has reached a destination of it."""
+        """Whether a robot serves the mission, or has reached one of its destinations."""
         return bool(self.robot or self.reached or self.stays_since is not None)
 
     @property
     def dwell_until(self) -> Optional[float]:
-        """When the robot may leave the destination where it stays; infinite: when it is released.
+        """When the robot may leave the destination where it stays; infinite: when a person or
+        program releases it.
 
         None: it does not stay now.
         """
@@ -308,8 +309,8 @@ class Acceptance:
     """The data with which requests are checked.
 
     robots -- type of each robot by its name
-    places -- by robot, a vertex that edges connect with its place; no entry: its place is unknown
-    able   -- robots that may serve a request, by its robot, type and docks; filled on demand
+    places -- by robot, a vertex that edges connect with the robot's place; no entry: place unknown
+    able   -- robots that may serve a request, by the robot, type and docks that it demands
     """
 
     graph: Graph
@@ -367,7 +368,7 @@ class Acceptance:
                                      'as a stop')
 
     def _check_part(self, request: Request, robots: Iterable[str]) -> None:
-        """Raises RequestRefused unless edges connect all destinations and one of the robots."""
+        """Raises RequestRefused unless edges connect all destinations with one of the robots."""
         first, *others = request.destinations
         part = self.graph.part_of(first)
         for other in others:

@@ -19,7 +19,7 @@ class Networks:
 
     rate      -- the factor by which simulated robots are faster than the clock
     resources -- if only one robot may use a resource, its places exclude each other in plans
-    laden     -- types of robots with loads, besides those of the fleet
+    laden     -- types of robots with loads, in addition to the types of the fleet
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0,
@@ -39,7 +39,7 @@ class Networks:
         self._rate = rate
 
     def close(self, edges: Iterable[int]) -> bool:
-        """Closes exactly these edges, if the graph has them. Returns whether that changed anything.
+        """Closes exactly these edges, if the graph has them. Returns whether anything has changed.
         """
         graph = self.nominal.graph
         closed = frozenset(abs(edge) for edge in edges) & frozenset(graph.edges)

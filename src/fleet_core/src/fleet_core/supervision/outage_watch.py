@@ -1,4 +1,4 @@
-"""What follows when an outage begins or ends: a change of the robot's mission, and a log text."""
+"""The effects when an outage begins or ends: a change of the robot's mission, and a log text."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional

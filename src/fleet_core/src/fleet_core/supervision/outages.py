@@ -84,7 +84,7 @@ _WAYS_BACK: Mapping[Outage, str] = {
 
 
 class OutageChange(NamedTuple):
-    """The change that a sign makes. None stands for a robot that works.
+    """The change that a sign makes. None stands for a robot without outage.
 
     sources -- the outages in which the sign has an effect
     target  -- the outage after the sign
@@ -150,7 +150,7 @@ _WORDS: Mapping[EpochCause, str] = {
 def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
     """Returns the sign that follows from a new epoch of a robot; None: no sign follows.
 
-    had_route -- the robot had a route, or an order for one was on its way
+    had_route -- the robot had a route, or an order for a route was on its way
     """
     if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: only a later version knows the cause
         return Sign.FAILURE if had_route else None

@@ -22,7 +22,7 @@ from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two attempts to write while writing fails
-TOGETHER = 0.04         # s within which all changes by reports share one commit
+TOGETHER = 0.04         # s during which all changes that reports make share one commit
 DEVICE_REQUEST = 'device_request'
 """Name, in the journal, of the number of the last request to devices."""
 _JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot has such a name
@@ -32,7 +32,7 @@ class Outbox:
     """Collects the actions that follow an event. `actions` first stores what has changed.
 
     clock   -- returns the present time of the supervisor's clock
-    trouble -- why nothing can be stored, as a clause; empty: data can be stored
+    trouble -- why nothing can be stored, as a clause; empty: everything can be stored
 
     Its attributes are the changes and actions that wait for one commit.
     """
@@ -92,7 +92,7 @@ class Outbox:
         self._graph = graph
 
     def send(self) -> None:
-        """Notes that all orders that are due are to be sent."""
+        """Notes that all due orders are to be sent."""
         self._is_sending = True
 
     # -- taking actions ---------------------------------------------------------------------------
@@ -118,7 +118,7 @@ class Outbox:
 
     @property
     def due(self) -> Optional[float]:
-        """When to take the waiting actions; None: no action waits, or nothing can be stored.
+        """The time to take the waiting actions; None: no action waits, or nothing can be stored.
 
         A commit is due TOGETHER s after the last one.
         """

@@ -58,7 +58,7 @@ class PendingMissions:
         self.changes += 1
 
     def first(self, free: Mapping[str, str]) -> List[Mission]:
-        """Returns the first missions of each kind, as many as the free robots could serve.
+        """Returns the first missions of each kind: as many as there are free robots for this kind.
 
         free -- types of the free robots, by name
         """
@@ -72,7 +72,7 @@ class PendingMissions:
         return found
 
     def behind(self, key: Key, count: int) -> List[Mission]:
-        """Returns the next `count` missions after a key. After the last one, the first one follows.
+        """Returns the next `count` missions after a key; the last mission is followed by the first.
         """
         start = bisect_right(self._order, key)
         keys = self._order[start:start + count]

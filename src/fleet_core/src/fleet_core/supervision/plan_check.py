@@ -1,9 +1,9 @@
 """The check whether an answer of the planner is a plan for the question.
 
-An answer is a message, and any program can send one. It is used only if
+An answer is a message that any program can send. It is used only if
 
 - each robot, edge and drive in it exists,
-- the drives follow each other from where the robot is, and
+- the drives of a robot follow each other and begin at its place, and
 - no robots wait for each other for ever.
 
 The interlocking decides whether two robots may be at the places of the plan.
@@ -21,7 +21,7 @@ from fleet_core.planning.tasks import PlanningOutcome, Task
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import edge_name
 
-_SHOWN = 40  # characters shown of a name that no robot has
+_SHOWN = 40  # maximum number of characters that are shown of an unknown name
 
 
 def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> str:
@@ -47,7 +47,7 @@ def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> s
 
 
 def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
-    """Returns a fault unless each edge exists and begins where the one before it ends."""
+    """Returns a fault unless each edge exists and begins where the previous edge ends."""
     name, known = task.name, graph.edges
     place: Optional[int] = None
     for number, edge in enumerate(edges):
@@ -74,7 +74,7 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
 def _leads_over(task: Task, edges: Sequence[int], graph: Graph) -> bool:
     """Returns whether the drives visit all destinations in order.
 
-    Some released drives may be done already.
+    The robot may have completed some released drives already.
     """
     left, known = list(task.destinations), graph.edges
     vertices = [known[abs(edge)].destination if edge > 0 else known[-edge].origin
@@ -95,8 +95,8 @@ def _is_possible(constraint: Constraint, outcome: PlanningOutcome) -> bool:
 def _ring(outcome: PlanningOutcome) -> List[str]:
     """Returns robots that would wait for each other for ever.
 
-    A drive may begin when the drive before it, and all drives for which it waits, have begun. To
-    wait for fraction 0 of a drive means to wait for the drive that precedes it.
+    A drive may begin when the drive before it, and all drives for which it waits, have begun. A
+    wait for fraction 0 of a drive is a wait for the previous drive.
     """
     first_node: Dict[str, int] = {}
     robots: List[str] = []

@@ -23,17 +23,17 @@ from trajectory_graph.drawn_names import edge_name
 
 PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
 AGAIN = 2.0              # s between two plans while the plan does not serve all robots
-HOLD = 2.0               # s for which grants may be limited while an answer is due
-HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
-USELESS = 3              # number of useless plans in a row after which a person is called
+HOLD = 2.0               # maximum number of s for which grants are limited while an answer is due
+HELD_UP = 5.0            # s: if a due edge is refused longer than this, the plan counts as useless
+USELESS = 3              # number of consecutive useless plans after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
-_TIMED = 5               # number of last answers; the slowest of them predicts the next one
+_TIMED = 5               # so many last answers are remembered; the slowest one predicts the next
 _PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
 
 class _Delay(NamedTuple):
-    """Since when a robot is refused an edge that is due, and why."""
+    """The time since which a robot is refused a due edge, and the reason."""
 
     since: float
     refusal: Refusal
@@ -62,7 +62,7 @@ class PlanExecutor:
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
     reserved  -- places of stations and queues
-    laden     -- types of robots with loads, besides those of the fleet
+    laden     -- types of robots with loads, in addition to the types of the fleet
 
     Its attributes are the plan, the open questions and the results of the last questions. Each step
     needs all of them.
@@ -92,10 +92,10 @@ class PlanExecutor:
         self._took: Deque[float] = deque([HOLD], _TIMED)
         """s that the last answers took, at most HOLD."""
         self._is_anew = False
-        # number of questions in a row that failed or left robots unserved; the next one's seed
+        # number of consecutive questions that failed or left robots unserved; also the next seed
         self._failures = 0
         self._delays: Dict[str, _Delay] = {}
-        # number of plans in a row with which a robot was held up
+        # number of consecutive plans with which a robot was held up
         self._useless = 0
         # by robot, the serial of the mission for which its route was given
         self._missions: Dict[str, int] = {}
@@ -106,8 +106,7 @@ class PlanExecutor:
         return bool(self._open)
 
     def plan_anew(self) -> None:
-        """Notes that the planner is to be asked for a plan that keeps nothing of the present one.
-        """
+        """Notes that the next plan is to be made without keeping anything of the present one."""
         self._is_anew = True
 
     def make_room(self, room: RoomForLoads) -> None:
@@ -170,7 +169,7 @@ class PlanExecutor:
         self._ask(world, is_useful, now)
 
     def _ends(self, now: float) -> Optional[Mapping[str, int]]:
-        """Returns, by robot, the number of the edge before which grants end for now.
+        """Returns, by robot, the number of the edge before which grants end at present.
 
         None: grants are not limited.
         """
@@ -241,7 +240,7 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Returns robots that must make room for robots with an errand, or leave a station."""
+        """Returns the robots that must make room for robots with an errand, or leave a station."""
         leave = {name for name, errand in world.errands.items()
                  if errand.limit.leaves or name in self._room.robots}
         return leave | plan.asked_to_move(
@@ -262,8 +261,8 @@ class PlanExecutor:
         return GrantGoal(until, robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
-        """Returns the edges that will be due before the planner answers, if robots may have them
-        now.
+        """Returns the edges that robots may have now and that will be due before the planner
+        answers.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         goals: Dict[str, GrantGoal] = {}
@@ -292,7 +291,7 @@ class PlanExecutor:
         """Asks the planner for another plan if one is due."""
         if not self._is_to_ask(is_useful, now - self._asked_at):
             return
-        # A plan that cannot be carried out is not kept.
+        # If the present plan cannot be carried out, the planner is not to keep it.
         kept = None if self._useless or self._is_anew else self.plan
         self._is_anew = False
         question = question_of(world, kept, self._failures, now,
@@ -324,7 +323,7 @@ class PlanExecutor:
 
 
 _DELAYS = (Gate.OCCUPIED, Gate.CLOSED_TO_LOAD, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
-"""Refusals that last as long as the plan does."""
+"""The gates whose refusals last as long as the plan."""
 
 
 def _words(refusal: Refusal, graph: Graph) -> str:

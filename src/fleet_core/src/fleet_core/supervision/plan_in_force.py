@@ -1,4 +1,4 @@
-"""The plan in force: the order in which robots use places, however late they are."""
+"""The plan in force: the order in which robots use places, even if they are late."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
@@ -24,7 +24,7 @@ class PlanInForce:
     Only the order counts, not the times. A robot's drive is due when each robot that comes before
     it in the order has driven far enough.
 
-    bases   -- by robot, the number of its plan's first drive in its record
+    bases   -- by robot, the number of the plan's first drive in the robot's record
     made_at -- the supervisor's time that is 0 in the plan's times
     assumptions -- the conditions under which the plan is useful
     """
@@ -61,7 +61,7 @@ class PlanInForce:
         return ''
 
     def turn_behind(self, name: str, drive: int, first: str) -> Optional[Tuple[int, float]]:
-        """Returns how far `first` must have driven before this drive of another robot is due.
+        """Returns how far `first` must have driven before this drive of robot `name` is due.
 
         The result is the number of an edge in the record of `first`, and a fraction of this edge.
         None: the drive does not wait for `first`.
@@ -73,10 +73,10 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Returns the robots that must move because a robot of `working`, or another robot that
-        must move, waits for them.
+        """Returns the robots that must move because another robot waits for them: a robot of
+        `working`, or a robot that must move itself.
 
-        records -- the route records of all robots; a drive that is released needs no request
+        records -- the route records of all robots; for a released drive, no robot is asked to move
         """
         moving = set(working)
         asked: Set[str] = set()

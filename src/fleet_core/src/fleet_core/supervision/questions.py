@@ -38,10 +38,10 @@ class Question:
     ends: Mapping[str, int]
 
     def plan(self, outcome: PlanningOutcome, world: World) -> Optional[PlanInForce]:
-        """Returns the plan in an answer; None: meanwhile a robot was granted edges that do not fit
-        the plan.
+        """Returns the plan in an answer; None: since the question, a robot was granted edges that
+        do not fit the plan.
 
-        If a robot's errand has changed meanwhile, the plan still serves all other robots.
+        If a robot's errand has changed since the question, the plan still serves all other robots.
         """
         planned = {task.name for task in self.tasks}
         bases = {name: known.base for name, known in self.assumptions.robots.items()
@@ -51,19 +51,19 @@ class Question:
             end = self.assumptions.robots[name].end
             drives = outcome.drives.get(name, ())[end - base:record.end - base]
             if tuple(d.edge for d in drives) != record.part(end, record.end):
-                return None  # it was granted other edges meanwhile, or more than the plan has
+                return None  # it was granted other edges since, or more than the plan has
         plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
         return plan if self._is_in_turn(plan, world) else None
 
     def fault_of(self, outcome: PlanningOutcome, graph: Graph) -> str:
         """Returns the first fault of an answer; empty: none.
 
-        The planner may still be wrong in other ways.
+        The answer may still have faults that this check does not find.
         """
         return fault_of(outcome, self.tasks, graph)
 
     def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
-        """Returns whether the new plan's order allows all edges that were granted meanwhile."""
+        """Returns whether the plan's order allows all edges granted since the question."""
         records = {name: robot.record for name, robot in world.robots.items()}
         return not any(plan.in_the_way(name, number - own.base, records)
                        for name, own in plan.plans.items()
@@ -103,8 +103,8 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
 def _plan_of(robot: ManagedRobot, plan: Optional[PlanInForce]) -> Optional[RobotPlan]:
     """Returns the plan of a robot that the planner is to keep; None: it has none.
 
-    A plan that was made while the robot had another type, because of another load, is not kept: it
-    may lead too near past other robots.
+    If the robot had another type then, because of another load, the plan is not kept: it may lead
+    past other robots too near.
     """
     assumed = None if plan is None else plan.assumptions.robots.get(robot.name)
     if plan is None or assumed is None or assumed.kind != robot.type:
@@ -117,7 +117,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     """Returns the planner's task for a robot, and the number of its mission's destinations in that
     task.
 
-    further -- the edges after the granted edges that count as released
+    further -- edges after the granted ones that also count as released
     """
     record, mission = robot.record, errand.mission
     vertex: Optional[int] = None

@@ -5,9 +5,9 @@ from typing import Mapping, Optional
 
 from fleet_core.supervision.fleet_view import RobotState
 
-LIMIT = 30.0  # s after the first news of the fleet, within which all robots should be ready
+LIMIT = 30.0  # s: so long after the first news of the fleet, all robots should be ready
 _READY = (RobotState.IDLE, RobotState.BUSY, RobotState.CHARGING)
-_NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # as a person has declared
+_NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has declared this
 
 
 class Readiness:
@@ -21,7 +21,7 @@ class Readiness:
               now: float) -> str:
         """Returns the sentences that say that the fleet is ready.
 
-        Empty: they were returned before, or robots are still awaited.
+        Empty: they were returned before, or some robots may still become ready.
 
         robots      -- the states of the robots, by name
         is_surveyed -- whether the survey of the graph, which logs several lines, has ended

@@ -1,4 +1,4 @@
-"""Finds the edges that are due for a robot in the order of the plan, but no more than it needs.
+"""Finds as many edges as a robot needs among those that are due for it in the order of the plan.
 
 An edge is due only when all robots that come before this robot at a conflicting place, in the order
 of the plan, have left the place. A grant is final. So a robot is granted no more edges than it
@@ -6,8 +6,8 @@ needs to drive on without braking.
 
 Grants go on while the planner works. The planner's answer fits only if its plans begin with all
 edges that were granted meanwhile. So a question names the edges that are *foreseen*: they will be
-due before the answer is there, and the robots may have all of them at once. The planner counts them
-as released.
+due before the answer arrives, and the robots may have all of them together now. The planner counts
+them as released.
 """
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Due(NamedTuple):
 class GrantGoal(NamedTuple):
     """How far a robot is to be granted edges.
 
-    until -- number of the record's edge before which it must stop in any case
-    ahead -- m of edges that it needs ahead of itself
+    until -- number of the edge in the record before which it must stop in any case
+    ahead -- m of granted edges that it needs ahead of itself
     """
 
     until: int
@@ -44,7 +44,7 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
               goal: GrantGoal) -> Due:
     """Returns the edges that one robot is to be granted.
 
-    Edges are due until one ends farther ahead than the goal demands; this edge is the last one.
+    At most, these are the edges up to the first one that ends farther ahead than the goal demands.
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []
@@ -64,7 +64,8 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
 
 
 MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
-"""Takes edges of each robot. Returns those, from the first on, that all robots may have at once.
+"""Takes edges of each robot. Returns the first of these edges: as many as all robots may have at
+the same time.
 """
 
 
@@ -74,9 +75,9 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
     """Returns the edges that the planner may count as released although they are not granted yet.
 
     They are due according to the present plan already. So the other robots have left all places
-    that they had to leave before. And a plan that begins with these edges exists: the present plan.
+    that they have to leave first. And the present plan is a plan that begins with these edges.
 
-    goals -- of the robots that follow the plan; `ahead` includes the m driven until the answer
+    goals -- of robots that follow the plan; `ahead` includes the m that they drive until the answer
     """
     due = {name: due_edges(name, plan, records, goal).edges for name, goal in goals.items()
            if _ends_certainly(records[name])}

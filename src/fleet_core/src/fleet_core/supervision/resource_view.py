@@ -23,7 +23,7 @@ class ResourceView:
     """The published state of one resource.
 
     device   -- the state of its device; None: it has no device
-    is_group -- its places are equal, so a mission may name it in place of one of its places
+    is_group -- its places are equal, so a mission may name the resource in place of one place
     queue    -- the queue places of a station, in order
     """
 
@@ -35,7 +35,7 @@ class ResourceView:
 
     @property
     def alarms(self) -> List[str]:
-        """What is wrong for the robots that are there, as clauses."""
+        """Clauses that say what is wrong for the robots at this resource."""
         return [f'{claim.robot} is where it needs the {self.resource}, which does not report that '
                 'it is open' for claim in self.claims if claim.state is ClaimState.LOST]
 

@@ -41,7 +41,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
     """Returns all robots by name, each with its stored state.
 
     settings -- a robot without an entry gets the defaults of RobotSettings
-    before   -- the other graph to which the stored states refer; None: they refer to this graph
+    before   -- the other graph to which the stored states refer; None: they refer to `graph`
     changes  -- where the robots' changes are noted
     """
     robots: Dict[str, ManagedRobot] = {}
@@ -52,7 +52,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
-        else:  # a new robot; or the journal was lost, and with it the robot's numbers
+        else:  # a new robot; or the robot's numbers were lost with the journal
             managed.master.restore(Memory(), now)
         if robot.absent and managed.outage is not Outage.ABSENT:
             managed.declare_absent(now)
@@ -63,14 +63,14 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
                before: Optional[Graph], now: float, clock: Clock,
                changes: Changes) -> Dict[str, RemovedRobot]:
-    """Returns robots that are stored, but are not in the fleet file any more."""
+    """Returns the robots that are in the journal, but not in the fleet file any more."""
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
         if name not in names and memory.kind is not None and not memory.master.is_absent:
             master = RouteMaster(RouteRecord(graph, memory.kind), clock,
                                  partial(changes.add, name))
-            # It has no topics here any more, so that not even a stop can be sent to it.
+            # The robot has no topics here any more, so not even a stop can be sent to it.
             kept, areas = on_graph(memory.master, graph, before)
             master.restore(kept, now)
             master.lose(areas)
@@ -95,11 +95,11 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 
 
 def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
-    """Returns the part of the stored state that is valid on a graph, and areas for the other part.
+    """Returns the part of the stored state that is valid on a graph, and areas for the rest.
 
     A robot may follow an order over an edge that the graph does not have. It must be stopped.
 
-    before -- the other graph to which the memory refers; None: it refers to this graph
+    before -- the other graph to which the memory refers; None: it refers to `graph`
     """
     if before is None:
         return memory, []
@@ -117,7 +117,7 @@ def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Mem
 
 
 def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Area]:
-    """Returns the areas of the edges on which the robot may be, but which are not kept."""
+    """Returns the areas of those edges that the robot may be on, but that are not kept."""
     number, fraction = memory.cleared
     return [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
             for step in memory.protocol.may_be_on

@@ -13,5 +13,5 @@ class RobotPlan(NamedTuple):
     base: int
 
     def behind(self, number: int) -> Tuple[PlannedDrive, ...]:
-        """Returns the drives from edge number `number` of the record on."""
+        """Returns the drives that begin with edge `number` of the record or later."""
         return self.drives[max(number - self.base, 0):]

@@ -25,7 +25,7 @@ from fleet_core.supervision.settings import RobotSettings
 from route_protocol.values import Motion, ReasonCode
 
 RETRY = 10.0  # s between two orders to a robot that refuses them because of its clock or its link
-REFUSALS = 3       # number of refusals in a row after which a person must look
+REFUSALS = 3       # number of consecutive refusals after which a person must look
 
 
 @dataclass
@@ -47,7 +47,7 @@ class ManagedRobot:
     battery: Battery = field(init=False)
     liveness: Liveness = field(default_factory=Liveness)
     is_halted: bool = False
-    """It was given an empty route, as in a fleet stop."""
+    """It was given an empty route, for example by a fleet stop."""
     comes_to_rest: bool = False
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
@@ -55,7 +55,7 @@ class ManagedRobot:
     charge_until: float = 0.0
     """Charge (0..1) that it was asked to reach; 0: it was not asked."""
     tops_up: bool = False
-    """It charges only because it has nothing to do: it gives up its turn for others and for work.
+    """It charges only because it has nothing to do: it gives up its turn for other robots or work.
     """
     passed: List[int] = field(default_factory=list)
     """Vertices that it passed, but that are not yet counted for its mission."""
@@ -64,7 +64,7 @@ class ManagedRobot:
     _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
     _has_refused: bool = False
-    """It refused its last order, and `other_beginning` was not evaluated since."""
+    """It has refused its last order, and `other_beginning` was not read since."""
     _located: float = -math.inf
     """Time of the last location that was accepted."""
     _unready: ReasonCode = ReasonCode.NONE
@@ -107,7 +107,7 @@ class ManagedRobot:
     # -- events -----------------------------------------------------------------------------------
 
     def notice(self, sign: Sign, why: str = '') -> bool:
-        """Applies a sign of an outage or of its end. Returns whether the outage changed."""
+        """Applies a sign, which may begin or end an outage. Returns whether the outage changed."""
         sources, target = TRANSITIONS[sign]
         if self.outage not in sources:
             return False
@@ -205,7 +205,7 @@ class ManagedRobot:
     # -- time -------------------------------------------------------------------------------------
 
     def tick(self, now: float, heard: float) -> None:
-        """Detects that the robot is silent or deaf, and that its last location gets old.
+        """Detects a silent or deaf robot, and allows for the growing age of its last location.
 
         heard -- time until which all arrived reports were evaluated
         """
@@ -279,7 +279,7 @@ class ManagedRobot:
         return ''
 
     def come_back(self) -> str:
-        """Puts the robot back into service where it is, because a person says that it works again.
+        """Puts the robot back into service where it is, because a person says that it can work.
 
         Returns why this is impossible; empty: done.
         """
@@ -287,7 +287,7 @@ class ManagedRobot:
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
         beside = self.master.beside(position)
-        if beside > BESIDE:  # its next reports would show that it has left this position
+        if beside > BESIDE:  # its next reports would show that it is not at this position
             return (f'{self.name} is {beside:.2f} m beside the graph '
                     f'({position.told(self.record.graph)}): bring it onto an edge')
         self.master.settle(position)

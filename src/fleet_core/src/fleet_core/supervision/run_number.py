@@ -1,4 +1,4 @@
-"""The run number: it shows whether the journal is the one that the last run has left.
+"""The run number: it shows whether the journal is the one that the last run wrote.
 
 Each start draws a number, and writes it into the journal and into a file beside it. If an older
 journal is put back, the two numbers differ.
@@ -26,7 +26,7 @@ class RunNumber:
         """Whether the two numbers differ. Then stored places of robots may be wrong."""
 
     def draw(self) -> int:
-        """Draws a number, writes it into the file, and returns it, to be stored in the journal."""
+        """Draws a number and writes it into the file. Returns it: the journal is to store it."""
         number = secrets.randbits(_BITS) + 1
         self._journal.write_beside(number)
         self.is_wrong = False

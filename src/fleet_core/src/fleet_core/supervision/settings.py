@@ -12,7 +12,7 @@ class RobotSettings:
     slack         -- m by which the robot may be behind its reported place, along its path
     charge_below  -- state of charge (0..1) below which it goes to charge
     leave_above   -- state of charge at which it may leave the dock
-    idle_below    -- state of charge below which it also charges while it has nothing to do
+    idle_below    -- state of charge below which it charges whenever it has nothing to do
     reserve       -- state of charge that must remain at the end of a mission
     endurance     -- m that it can drive on a full battery
     """

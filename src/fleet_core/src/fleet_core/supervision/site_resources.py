@@ -19,8 +19,8 @@ _KINDS: Mapping[DeviceKind, ResourceKind] = {
 def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger]:
     """Returns the chargers of a site, by name.
 
-    If the work file does not make a dock a place of a charger, but a robot type charges there, the
-    dock is a charger of its own.
+    If a robot type charges at a dock that is no charger's place in the work file, this dock is a
+    charger of its own.
     """
     found = dict(work.chargers)
     named = {place for one in found.values() for place in one.places}

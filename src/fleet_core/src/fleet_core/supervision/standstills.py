@@ -7,13 +7,13 @@ from typing import Deque, Dict
 
 from fleet_core.supervision.robots import ManagedRobot
 
-COUNTS = 3.0  # s of standing; a shorter stop is only turning or setting out
+COUNTS = 3.0  # s; if a robot stands for less, it only turns or is starting to drive
 KEPT = 100    # number of standstills that are remembered
-ENOUGH = 5    # number of remembered standstills that must have lasted longer than the present one
+ENOUGH = 5    # so many remembered standstills must be longer than the present one for a prediction
 
 
 class Standstills:
-    """Standstills of all robots that had something to drive. Waiting for a turn does not count."""
+    """The standstills of robots that had something to drive. Waiting for a turn does not count."""
 
     def __init__(self) -> None:
         self._lasted: Deque[float] = deque(maxlen=KEPT)

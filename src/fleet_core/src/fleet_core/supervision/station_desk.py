@@ -1,6 +1,6 @@
 """The station desk: decides which robots may go to stations now, and where the others wait.
 
-The rules are those of `fleet_core.work.queues`. This module gives them the missions, robots and
+The rules are those of `fleet_core.work.queues`. This module applies them to missions, robots and
 claims, and tells the planning how far each robot may go.
 """
 from __future__ import annotations
@@ -22,9 +22,9 @@ from fleet_core.work.stations import Station, StationKind
 
 
 class QueueStanding(NamedTuple):
-    """How a robot stands in the queue of a station.
+    """The position of a robot in the queue of a station.
 
-    ahead -- robots that go before it
+    ahead -- number of robots that go before it
     place -- its queue place; None: it waits where it is
     """
 
@@ -74,7 +74,7 @@ class StationDesk:
         return station is None or self._queue_of(station).turns.get(name) == place
 
     def standing_of(self, name: str) -> Optional[QueueStanding]:
-        """Returns how a robot stands in the queue in which it waits; None: it waits in none."""
+        """Returns the position of a robot in its queue; None: it waits in no queue."""
         for station in self._stations.values():
             queue = self._queue_of(station)
             if name in queue.waits:
@@ -196,7 +196,7 @@ class StationDesk:
         return Others(len(inside), at, kept)
 
     def _makes_room(self, robot: ManagedRobot, going: Mapping[str, Mission]) -> bool:
-        """Returns whether a robot leaves its place if another robot needs the place."""
+        """Returns whether a robot will leave its place if another robot needs the place."""
         if robot.outage is not None:
             return False
         mission = going.get(robot.name)

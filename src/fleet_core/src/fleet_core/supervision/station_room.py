@@ -16,10 +16,10 @@ class Occupancy(NamedTuple):
     """The robots that take the places of a station and of its queue, or of a charger.
 
     robots  -- names of all these robots
-    waiters -- for each robot that goes there for a mission, the places at which its stop may be
+    waiters -- for each robot that goes there for a mission, the places where its stop may be
     others  -- the robots there that do not make room
     leaving -- names of the robots that are to leave the station, because others wait for it
-    doing   -- what each robot at a charger does there, in words that follow its name
+    doing   -- what each robot at a charger does there, in words that follow the robot's name
     """
 
     robots: Tuple[str, ...]
@@ -30,7 +30,7 @@ class Occupancy(NamedTuple):
 
 
 class StationRoom:
-    """The free places at stations, in their queues and at chargers, as missions need them.
+    """The free places for missions at stations, in their queues, and at chargers.
 
     at          -- station or charger of each place
     group_of    -- returns the group of a mission's next stop, which may be at any place of the

@@ -104,8 +104,8 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: events are not checked
-    resources   -- zones and the like, which robots must claim, besides the devices, stations and
-                   chargers of `work` and `fleet`
+    resources   -- zones and other resources, in addition to the devices, stations and chargers of
+                   `work` and `fleet`
     work        -- the content of the site's work file; None: the site has none
     clock       -- returns the present time (s) of the clock that gives events their times
     """
@@ -201,7 +201,7 @@ class Supervisor:
 
     @property
     def trouble(self) -> str:
-        """Why nothing can be stored, as a clause; empty: data can be stored.
+        """Why nothing can be stored, as a clause; empty: everything can be stored.
 
         While nothing can be stored, no mission is accepted, and no robot gets anything new to
         drive.
@@ -281,13 +281,13 @@ class Supervisor:
 
     def _accept(self, request: Request, before: Optional[Mission],
                 acceptance: Acceptance) -> Optional[Mission]:
-        """Accepts a request. Returns None for a repeat, and publishes its status again.
+        """Accepts a request. For a repeated request, returns None and publishes its status again.
 
         before -- the last mission with the id of the request
         """
         if request.stamp and (before is None or before.request.identity != request.identity):
             ended = self._journal.find(request)
-            if ended is not None:  # the request was latched, or on its way for a long time
+            if ended is not None:  # the request was latched, or was on its way for a long time
                 self._out.put(PublishStatus(ended.status))
                 return None
         if before is None or not request.is_repeat_of(before.request, before.state.is_open):
@@ -332,7 +332,7 @@ class Supervisor:
     def _needed(self, mission: Mission, now: float) -> float:
         """Returns the seconds that a mission still needs, as far as is known.
 
-        They count from now if a robot serves the mission, and from its beginning if none does.
+        They count from now, or, if no robot serves the mission yet, from its beginning.
         """
         robot = self.robots.get(mission.robot)
         if robot is None:
@@ -403,7 +403,7 @@ class Supervisor:
 
     def report(self, name: str, report: Report, now: float,
                arrived: Optional[float] = None) -> List[Action]:
-        """Handles a robot's report of its place and route, which came at the time `arrived`."""
+        """Handles a robot's report of its place and route, which arrived at the time `arrived`."""
         robot, arrived = self.robots[name], now if arrived is None else arrived
         before = robot.master.progress
         try:
@@ -452,7 +452,7 @@ class Supervisor:
                  ) -> Tuple[str, List[Action]]:
         """Stores what a robot carries, as a person has said.
 
-        request_id -- of the robot's mission, whose load it carries; None: it carries nothing
+        request_id -- id of the mission whose load the robot carries; None: it carries nothing
 
         Also returns a sentence that says why this is refused; empty: done.
         """
@@ -513,7 +513,7 @@ class Supervisor:
     def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
         """Notes that a robot reports an order that the journal does not have.
 
-        So the journal is an old one.
+        This shows that the journal is an old one.
         """
         why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
         self._doubt_journal(why, robot.name)
@@ -528,7 +528,7 @@ class Supervisor:
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
-        """Counts the place of each robot as unknown until the robot has stopped once.
+        """Treats the place of each robot as unknown until the robot has stopped once.
 
         The run number stays wrong until all places are known. If the fleet manager restarts before
         that, the places are unknown again.
@@ -612,7 +612,7 @@ class Supervisor:
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._actions(now)
-        # Without the disk, a restart would restore its old place, not the one where it stands.
+        # If its new place could not be stored, a restart would restore the old one.
         problem = self.trouble or robot.not_back_yet(now)
         if not problem and not robot.works and robot.master.protocol.unknown:
             problem = self._stop_first(robot)
@@ -723,7 +723,7 @@ class Supervisor:
 
     def resume_fleet(self, now: float,
                      ticket: Optional[int] = None) -> Tuple[str, List[Action]]:
-        """Lets each robot go on from where it is. Also returns why this is refused; empty: done.
+        """Lets each robot go on from its place. Also returns why this is refused; empty: done.
 
         A robot that has not obeyed the stop yet goes on only after it has obeyed. `who_goes_on`
         names the robots that stay.
@@ -759,7 +759,7 @@ class Supervisor:
     # -- the graph and the plan -------------------------------------------------------------------
 
     def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
-        """Sets the closed edges. Edges that are granted already are driven to their end."""
+        """Sets the closed edges. Robots still drive closed edges that are granted already."""
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
             self._advance(now)
@@ -787,8 +787,8 @@ class Supervisor:
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
         """Does everything that depends on time; to be called ten to twenty times a second.
 
-        heard -- time until which all arrived reports were handled; whether a robot is silent is
-                 judged for this time
+        heard -- time until which all arrived reports were handled; silence of a robot is judged at
+                 this time
         """
         self._heard = now if heard is None else heard
         self._advance(now)
@@ -814,7 +814,7 @@ class Supervisor:
             self._run_timetables()
         self._follow_times(now)
         self._work(now)
-        if now - self._began > FRESH:  # before this, a device may not have reported yet
+        if now - self._began > FRESH:  # before that, a device may not have reported yet
             for name in self.interlocking.keep_out():
                 self._out.robot_changed(name)
         self._shorten()
@@ -845,7 +845,7 @@ class Supervisor:
         if not self.is_stopped and robot.return_to_work(now):
             self._out.robot_changed(robot.name)
         if robot.master.needs_stop and robot.liveness.stands:
-            robot.master.halt()  # it does not count the orders of this fleet manager yet
+            robot.master.halt()  # its reports do not count the orders of this fleet manager yet
             self._out.robot_changed(robot.name)
             self._out.send()
 

@@ -26,7 +26,7 @@ LIMIT = 0.02  # s of real time that one search may take
 
 
 class OrderSwitching:
-    """Looks for a better order, at most once in PERIOD.
+    """Looks for a better order, at most once in PERIOD s.
 
     clearance -- m that stays free between any two robots
     limit     -- s of real time that one search may take
@@ -83,7 +83,7 @@ def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, n
             at: float) -> RemainingDrives:
     """Returns the remaining drives of a robot.
 
-    delay -- s for which it will stand where it is
+    delay -- s for which the robot will still stand at its place
     at    -- the present time on the plan's time scale
     """
     record = robot.record

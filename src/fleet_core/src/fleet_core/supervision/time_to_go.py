@@ -1,8 +1,8 @@
 """The time that a robot still needs. Everything that shows this time to people uses this estimate.
 
-The times of a plan serve to compare paths. They leave out the delay that all robots of a type have
-on all edges. This estimate takes the drives and waits of the plan, with the times that robots have
-really needed.
+The times of a plan are made to compare paths. They omit the delay that robots of a type have on all
+edges. This estimate takes the drives and waits of the plan, but the times that robots really
+needed.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class TimeToGo(NamedTuple):
     """Seconds of the robot's clock, NaN: unknown.
 
     destination -- until it is at its next destination
-    end         -- until it is at the last destination of its mission, with its stays before that
+    end         -- until it is at the last destination of its mission, including its stays before
     """
 
     destination: float = nan
@@ -48,8 +48,8 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
     """Returns the time that a robot needs for its errand; `now` is the supervisor's time.
 
-    A plan for another errand is not used, because it may count a stay without an end as a long one.
-    If the robot has no mission, its destination is the end of its plan.
+    A plan for another errand is not used, because it may have a long stay in place of one without
+    end. If the robot has no mission, its destination is the end of its plan.
     """
     mission, own = errand.mission, None if plan is None else plan.plan_of(robot.name)
     if plan is None or own is None or not robot.works or not plan.is_for(robot.name, errand):
@@ -84,7 +84,7 @@ def _of_mission(mission: Mission, drives: Iterable[_TimedDrive], usual: float,
                 now: float) -> TimeToGo:
     """Returns the time that a mission needs for these drives.
 
-    Of the planned wait after a stay, only the part that is longer than the stay counts.
+    If a planned wait includes a stay, only the part of the wait beyond the stay is added.
     """
     stops = [(vertex, _stay(mission.request.dwell(mission.reached + number)))
              for number, vertex in enumerate(mission.left)]
@@ -111,8 +111,8 @@ def _stay(dwell: float) -> float:
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
     """Returns the seconds from the next destination of a mission to its last one, without a plan.
 
-    They are those of the fastest of `kinds`, without traffic. Stays count if they have an end.
-    Infinite: there is no path.
+    These are the seconds of the fastest of `kinds`, without traffic. Stays count if they have an
+    end. Infinite: there is no path.
     """
     left = mission.left
     stays = sum(max(mission.request.dwell(index), 0.0)

@@ -29,8 +29,8 @@ _LARGEST_ID = 2 ** 31 - 1
 class TimetableRun(NamedTuple):
     """A run that a timetable requests now, or runs that it has missed.
 
-    request -- of the run that is due; None: no run is due
-    due     -- the run, and the number of runs that were missed
+    request -- the request of the due run; None: no run is due
+    due     -- the due run, and the number of missed runs
     """
 
     timetable: Timetable
@@ -39,7 +39,7 @@ class TimetableRun(NamedTuple):
 
 
 class TimetableView(NamedTuple):
-    """A timetable as people see it.
+    """A timetable as it is shown to people.
 
     next -- time of its next run, s since 1970; None: it is paused
     """
@@ -81,7 +81,7 @@ class TimetableRuns:
         self._looked = now
 
     def done(self, run: TimetableRun) -> None:
-        """Notes that the run was requested, and `due.last` is about to be stored."""
+        """Notes that the run was requested, and that `due.last` will be stored now."""
         self._last[run.timetable.name] = run.due.last
 
     def pause(self, name: str, paused: bool) -> Dict[str, int]:

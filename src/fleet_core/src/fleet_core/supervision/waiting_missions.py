@@ -13,8 +13,8 @@ from fleet_core.supervision.pending_missions import FIRST, Key, key_of
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import StationRoom
 
-AGAIN = 1.0   # s after which waiting missions are examined even if no robot became free
-AT_ONCE = 50  # number of missions that are examined besides those that robots could serve now
+AGAIN = 1.0   # s after which waiting missions are examined again even if no robot became free
+AT_ONCE = 50  # number of further missions, beyond those that robots could serve now, to be examined
 
 
 class WaitingMissions:
@@ -27,13 +27,13 @@ class WaitingMissions:
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  laden: Callable[[], Collection[str]]) -> None:
-        """`laden` returns the robots that carry something, and so begin no mission."""
+        """`laden` returns the robots that carry something and therefore begin no mission."""
         self._book, self._laden = book, laden
         self._robots = robots
         self._short: Dict[int, str] = {}
         self._question: Optional[Tuple[object, ...]] = None
         self._looked = -inf
-        self._left = 0  # number of missions that are still to be examined, in turn
+        self._left = 0  # number of missions still to be examined in this round
         self._last: Key = FIRST  # key of the mission that was examined last
 
     @property

@@ -1,4 +1,6 @@
-"""What a mission or a robot waits for: a code for programs, words for people, and until when."""
+"""What a mission or a robot waits for: a code for programs, words for people, and the time until
+the wait ends.
+"""
 from __future__ import annotations
 
 from enum import IntEnum
@@ -9,9 +11,9 @@ from typing import NamedTuple
 class WaitCode(IntEnum):
     """The kind of a wait, as in itrci_nav_msgs/ExplainMission."""
 
-    NOTHING = 0      # it drives, or may set out
+    NOTHING = 0      # it drives, or may begin to drive
     ROBOT = 1        # a robot to serve the mission
-    MISSIONS = 2     # the missions after which it comes
+    MISSIONS = 2     # other missions, which must end first
     START = 3        # the fleet manager has just started, or the fleet has just been resumed
     RESUME_FLEET = 4
     DISK = 5

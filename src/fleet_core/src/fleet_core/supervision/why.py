@@ -1,6 +1,6 @@
 """Why a mission or a robot does not go on. Programs and people get the same answer, made here.
 
-A mission that a robot serves waits for the same as the robot.
+While a robot serves a mission, the mission waits for the same thing as the robot.
 """
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from fleet_core.supervision.waits import FLEET_STOPPED, NO_WAIT, Wait, WaitCode
 class RobotReason:
     """Why one robot does not serve a mission that waits for a robot.
 
-    mission -- request id of the mission that it serves; None: it serves none
-    until   -- s until the mission that it serves probably ends; NaN: unknown
+    mission -- request id of the mission that the robot serves; None: it serves none
+    until   -- s until this mission probably ends; NaN: unknown
     text    -- in words
     """
 
@@ -40,7 +40,7 @@ class RobotReason:
 class MissionReason:
     """What an open mission waits for.
 
-    robots -- while it waits for a robot: why each robot does not serve it
+    robots -- if the mission waits for a robot: why each robot does not serve it
     """
 
     wait: Wait
@@ -141,7 +141,7 @@ def _stay(mission: Mission, seconds: float) -> Wait:
 
 
 def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
-    """Returns what the device of a resource shows, in words that follow its name.
+    """Returns what the device of a resource shows, in words that follow the resource's name.
 
     Empty: the resource has no device.
     """
@@ -166,7 +166,7 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
-    """Returns after how many seconds, at the latest, one of these robots ends its work at a stop.
+    """Returns the seconds until, at the latest, one of these robots has ended its work at a stop.
     """
     ends = [nan]
     for name in before:

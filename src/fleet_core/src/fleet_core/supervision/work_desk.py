@@ -34,7 +34,7 @@ from fleet_core.work.work import ANY_LOAD, Ending, RobotLoad, Seen, Situation, W
 from route_protocol.steps import MOST_KEY, StepAct, StepCommand, StepReport
 
 NEWEST_STEP = 'newest_step'  # name, in the journal, of the highest known key of a step
-REPEAT = 0.5  # s between two commands for a step that the robot has not shown
+REPEAT = 0.5  # s after which a command for a step is repeated, if the robot has not shown the step
 
 _BY: Mapping[Actor, str] = {
     Actor.ROBOT: '', Actor.PERSON: ' by a person: say `mission answer {} done`',
@@ -78,12 +78,15 @@ class WorkDesk:
         self._machines = machines
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
-        """Whether a robot may go to this place now. If not, no step begins while the robot is only
-        near the place."""
+        """Whether a robot may go to this place now. If not, no step begins while the robot stands
+        near the place but not at it.
+        """
         self.lacks_room: Callable[[str, AbstractSet[str]], bool] = lambda _name, _loads: False
         """Whether a robot has no room yet to take these types of load."""
         self._strange: Dict[str, FrozenSet[int]] = {}
-        """By robot, keys of running steps that no mission here has ordered."""
+        """By robot, the keys of running steps that no present mission of this fleet manager has
+        ordered.
+        """
         self._hindered: Dict[str, str] = {}
         """By robot, why the step that is due is not ordered, in words."""
         self._changed: Set[int] = set()
@@ -91,7 +94,7 @@ class WorkDesk:
         self._sent: Dict[Tuple[str, int, StepAct], float] = {}
         for mission in book.serving.values():
             self._show(mission)
-        for mission in book.open:  # an older version may have kept a mission at work without robot
+        for mission in book.open:  # an old version may have kept a mission AT_WORK without robot
             self.parted(mission)
 
     # -- loads and works of the robots -------------------------------------------------------------
@@ -179,13 +182,13 @@ class WorkDesk:
         self._changed.discard(serial)
 
     def parted(self, mission: Mission) -> None:
-        """Notes that a mission may have lost its robot. Then no robot is at work for it."""
+        """Notes that a mission may have lost its robot. If so, no robot is at work for it now."""
         work = self._works.get(mission.serial)
         if work is not None and not mission.robot:
             self._put(mission.serial, rules.parted(work))
 
     def report(self, name: str, report: StepReport) -> bool:
-        """Handles a robot's report of its steps. Returns whether it changed anything."""
+        """Handles a robot's report of its steps. Returns whether the report changed anything."""
         before = self._reports.get(name)
         if not report.is_newer_than(before):
             return False
@@ -200,7 +203,7 @@ class WorkDesk:
         return self._use(mission, rules.heard(self._situation(mission), report)) or strange
 
     def device_report(self, device: str, report: StepReport, now: float) -> bool:
-        """Handles a device's report of its steps. Returns whether it changed anything."""
+        """Handles a device's report of its steps. Returns whether the report changed anything."""
         before = self._machines.newest(device)
         if not report.is_newer_than(before):
             return False
@@ -222,10 +225,11 @@ class WorkDesk:
             self._doubt(name, f'device {device}')
 
     def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
-        """Notes the running steps that no mission here has ordered. Returns whether they changed.
+        """Notes the running steps that belong to no present mission. Returns whether these steps
+        have changed.
 
         Such a step was ordered by another fleet manager, or for a mission that this fleet manager
-        has ended or forgotten. So only the first report of a robot can show a new one.
+        has ended or forgotten. So only the first report of a robot can show a new such step.
         """
         before = self._strange.pop(name, frozenset())
         running = frozenset(step.key for step in report.steps if not step.word.is_final)
@@ -278,7 +282,7 @@ class WorkDesk:
         return begun is not None
 
     def _begin(self, robot: ManagedRobot, situation: Situation, now: int) -> Optional[Situation]:
-        """Returns the situation after the step that is due is ordered.
+        """Returns the situation after the due step is ordered.
 
         None: no step is due, or the step cannot be ordered now.
         """
@@ -329,7 +333,7 @@ class WorkDesk:
     # -- commands of people -----------------------------------------------------------------------
 
     def cancel(self, mission: Mission, reason: str) -> bool:
-        """Cancels a mission if it has steps and a robot serves it. Returns whether that is so."""
+        """Cancels a mission if it has steps and a robot; otherwise returns False."""
         if mission.serial not in self._works or not mission.robot:
             return False
         if mission.state is MissionState.PAUSED:
@@ -338,7 +342,7 @@ class WorkDesk:
         return True
 
     def fail(self, mission: Mission, reason: str) -> bool:
-        """Lets a mission fail if it has steps and a robot serves it. Returns whether that is so.
+        """Lets a mission fail if it has steps and a robot; otherwise returns False.
 
         The mission has failed when its running steps have ended. Until then its robot stands.
         """
@@ -371,13 +375,13 @@ class WorkDesk:
         return work.stops[work.current].group
 
     def choose(self, mission: Mission, place: int) -> None:
-        """Makes another of the equal places the next stop of a mission."""
+        """Chooses another one of the equal places for the next stop of a mission."""
         self._use(mission, rules.chosen(self._situation(mission), place))
 
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step.
 
-        Returns a clause that says why it is refused; empty: done.
+        Returns a clause that says why the answer is refused; empty: done.
         """
         if mission.serial not in self._works or not mission.robot:
             return 'it has no step that waits for an answer'
@@ -388,7 +392,7 @@ class WorkDesk:
     def set_load(self, name: str, request_id: Optional[int]) -> str:
         """Stores what a robot carries, as a person has said.
 
-        request_id -- of the robot's mission, whose load it carries; None: it carries nothing
+        request_id -- id of the mission whose load the robot carries; None: it carries nothing
 
         Returns a sentence that says why this is refused; empty: done.
         """
@@ -479,7 +483,7 @@ class WorkDesk:
             self._book.set(mission, state, reason or self._hindered.get(mission.robot, ''))
 
     def _let_follow(self, mission: Mission, work: Work, phase: WorkPhase) -> None:
-        """Updates the destinations of a mission, and the number of those that it has visited."""
+        """Updates the destinations of a mission, and the number of visited destinations."""
         if phase in (WorkPhase.FAILED, WorkPhase.CANCELLED):
             return
         places, dwells = tuple(stop.place for stop in work.stops), dwells_of(work.stops)

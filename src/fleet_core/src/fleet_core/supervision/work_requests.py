@@ -16,17 +16,17 @@ from trajectory_graph import Graph
 
 
 class WorkRequests:
-    """Fills in the template of a request that is not a repeat, and chooses places of groups.
+    """Fills in the templates of requests, except repeated ones, and chooses places of groups.
 
     The resulting stops are stored, and the work file is not read again for the mission. So the
-    mission stays as it was accepted, even if the file changes.
+    mission does not change when the file changes.
     """
 
     def __init__(self, work: SiteWork, graph: Graph, book: MissionBook) -> None:
         self._work, self._graph, self._book = work, graph, book
 
     def complete(self, request: Request) -> Request:
-        """Returns the request with the stops of its template, and places of its groups.
+        """Returns the request with the stops of its template, and with places for its groups.
 
         Raises RequestRefused.
         """
@@ -91,7 +91,7 @@ class WorkRequests:
     def _place(self, word: str) -> int:
         """Returns the place that a word names.
 
-        For a group it is the place to which the fewest open missions go.
+        If the word names a group, the place is the one to which the fewest open missions go.
         """
         places = places_of(word, self._work.stations, self._graph)
         if len(places) == 1:

@@ -15,7 +15,7 @@ Turns are given in the order of these rows, in each row to the emptiest robot fi
     | tops up                                   | goes                                          |
 
 So a robot that tops up yields to robots that need to charge, and to missions. A robot chooses again
-as long as it waits, and on its way if its place is not free any more.
+as long as it waits. On its way it chooses again if its place is not free any more.
 
 A turn is not a claim. A robot claims the charger when it is granted the edges that lead there, as
 it claims a door (`interlocking.claims`).
@@ -24,13 +24,13 @@ Invariants, for each state after any events (`test_chargers.py`):
 
 - No two robots have a turn for the same place. No robot has a turn for a place in which another one
   stays.
-- The robots with a turn for a charger and the others that stay in it do not exceed its capacity,
-  unless those that stay exceed it already.
-- While a place is free that some robot may use, and its charger has room, no robot that needs to
-  charge waits for it.
+- The robots with a turn for a charger and the other robots that stay in it do not exceed its
+  capacity, unless the robots that stay exceed it already.
+- While a place is free and its charger has room, no robot that needs to charge and may use the
+  place waits.
 - No robot that needs to charge waits for a place for which a robot that tops up has a turn.
-- A robot keeps its turn until it may leave, or another robot stays in the place or claims the
-  charger, or the place does not suit the robot any more.
+- A robot keeps its turn until it may leave the charger, another robot stays in the place or claims
+  the charger, or the place does not suit the robot any more.
 """
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Candidate(NamedTuple):
     """A robot that is to charge.
 
     places    -- docks that suit the robot, the nearest one first
-    charge    -- of its battery, from 0 to 1
+    charge    -- state of charge of its battery, from 0 to 1
     needs     -- it needs to charge; False: it only tops up
     had       -- the place of its last turn; None: it had no turn
     is_inside -- it claims the charger of the place that it prefers
@@ -79,10 +79,10 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True)
 class Occupied:
-    """The places and the room that robots which are no candidates take at chargers.
+    """The places and the room at chargers that are taken by robots that are no candidates.
 
-    kept   -- places in which they stay
-    inside -- by the name of a charger, how many of them stay in it
+    kept   -- places in which such robots stay
+    inside -- by the name of a charger, how many such robots stay in it
     wanted -- places to which missions go
     """
 
@@ -93,7 +93,7 @@ class Occupied:
 
 def turns_of(chargers: Iterable[Charger], candidates: Iterable[Candidate],
              occupied: Occupied) -> Dict[str, int]:
-    """Returns the names of the robots that may go to a charger now, each with its place there."""
+    """Returns the names of the robots that have a turn now, each with its place at a charger."""
     at = {place: one for one in chargers for place in one.places}
     taken = Counter(occupied.inside)
     turns: Dict[str, int] = {}

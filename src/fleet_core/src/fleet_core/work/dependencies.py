@@ -1,7 +1,7 @@
 """Missions that wait for other missions.
 
-A mission may name only missions that were accepted before it. So no ring of missions can wait for
-each other.
+A mission may name only missions that were accepted before it. So missions cannot wait for each
+other in a ring.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from enum import IntEnum
 class Until(IntEnum):
     """What a mission waits for, as in itrci_nav_msgs/MissionDependency."""
 
-    DONE = 0    # the success of the other mission; without it the waiting mission fails
+    DONE = 0    # the other mission must succeed; otherwise the waiting mission fails
     ENDED = 1   # the end of the other mission
 
 
@@ -20,8 +20,8 @@ class Until(IntEnum):
 class Dependency:
     """Another mission that must end first.
 
-    mission -- its request id
-    serial  -- its serial; 0: the mission that waits is not accepted yet
+    mission -- request id of the other mission
+    serial  -- serial of the other mission; 0: the waiting mission is not accepted yet
     """
 
     mission: int

@@ -1,5 +1,4 @@
-"""Devices of a site, as the work file describes them: those on edges, such as doors, and machines.
-"""
+"""Devices of a site, as in the work file: devices on edges, such as doors, and machines."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -32,8 +31,8 @@ class DeviceDriver(Enum):
 class ModbusAddress:
     """Where a device is reached by Modbus TCP.
 
-    open_coil -- the coil that opens it
-    is_open   -- the discrete input that says that it is open
+    open_coil -- the coil that opens the device
+    is_open   -- the discrete input that says that the device is open
     unit      -- number of the device behind a gateway
     """
 
@@ -46,9 +45,10 @@ class ModbusAddress:
 
 @dataclass(frozen=True)
 class RobotAddress:
-    """The output of a robot that opens a device, and its input that says that it is open.
+    """The output of a robot that opens a device, and the robot's input that says that the device is
+    open.
 
-    robot -- the namespace of its nodes
+    robot -- the namespace of the robot's nodes
     """
 
     robot: str
@@ -62,7 +62,7 @@ class HandOverAddress:
 
     start_coil   -- the coil that begins a hand-over
     key_register -- the first of the KEY_REGISTERS holding registers that receive the step's key
-    done, failed -- the discrete inputs that say how it has ended
+    done, failed -- the discrete inputs that say how the hand-over has ended
     unit         -- number of the device behind a gateway
     """
 
@@ -79,7 +79,7 @@ class HandOverAddress:
 class StepDevice:
     """A device that carries out steps: a press or a conveyor that hands over to robots.
 
-    timeout -- s that it may take to get ready for a step, or to break a step off
+    timeout -- s that the device may take to get ready for a step, or to break off a step
     at      -- vertices at which it stands; empty: the work file names none
     address -- where its driver reaches it; None: it is SIMULATED
     """

@@ -23,7 +23,7 @@ class LoadType:
 
 
 def fault_of_load(step: WorkStep, loads: Collection[str]) -> str:
-    """Returns why a step does not fit the types of load of a site, in words that follow its name.
+    """Returns why a step does not fit a site's types of load, in words that follow the step's name.
 
     Empty: it fits.
     """

@@ -12,15 +12,15 @@ A robot whose next stop is at a station is a *waiter* until it has left that sto
     | is on its way to the queue                           | no   | the queue places behind those  |
     | finds no queue place free                            | no   | where it is                    |
 
-A mission that no robot serves yet is no waiter. It gets no robot while the station and its queue
-are full (`has_place_for`), because that robot would wait in the way of others and do no other work.
-A waiter finds no queue place only if its mission has a stop before this one, or if the queue was
-shortened meanwhile.
+A mission that no robot serves yet is no waiter. While the station and its queue are full
+(`has_place_for`), the mission gets no robot, because this robot would wait in the way of others and
+do no other work. A waiter finds no queue place only if its mission has an earlier stop, or if the
+queue was made shorter.
 
 The rest are the waiters without a turn, in the order of the lower three rows. Robots that have
-arrived come first, in the order of their arrival. Then come those on their way, in the order in
-which they got a queue place. The last are those without a queue place, ordered by the priority and
-age of their missions. So no robot passes another in the queue.
+arrived come first, in the order of their arrival. Then come the robots on their way, in the order
+in which they got a queue place. The last are the robots without a queue place, ordered by the
+priority and age of their missions. So no robot overtakes another in the queue.
 
 A turn is not a claim. A robot claims the station when it is granted the edges that lead there, as
 it claims a door (`interlocking.claims`). Nothing here is stored: after a restart, robots with a
@@ -28,13 +28,13 @@ claim have their turns, and robots at queue places have arrived, in the order of
 
 Invariants, for each state after any events (`test_queues.py`):
 
-- The robots with a turn and the others that claim the station do not exceed its capacity, unless
-  those that claim it exceed it already.
+- The robots with a turn and the other robots that claim the station do not exceed its capacity,
+  unless the robots that claim it exceed it already.
 - No two robots have the same target. No robot has a turn for a place where another one stands.
 - A queue place is not used while a queue place before it is free.
-- The order of those that have arrived never changes. While one of them waits, no robot behind it
-  gets a turn, except for a place that does not suit the one that waits.
-- While a place that some robot may use is free, and there is room, no robot waits for it.
+- The order of the robots that have arrived never changes. While one of them waits, no robot behind
+  it gets a turn, except for a place that does not suit the waiting robot.
+- While a place is free and the station has room, no robot that may use the place waits.
 """
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Waiter(NamedTuple):
     """A robot whose next stop is at a station.
 
     places    -- vertices of the station that suit the robot, the nearest one first
-    rank      -- of its mission; the mission with the lowest rank is served first
+    rank      -- rank of its mission; the mission with the lowest rank is served first
     ends_at   -- vertex at which the edges that it was granted end; None: it is between vertices
     is_inside -- it claims the station
     """
@@ -76,9 +76,9 @@ class Waiter(NamedTuple):
 class Others:
     """The robots that are not waiters of a station, but take room or places there.
 
-    inside -- number of them that claim the station
+    inside -- number of these robots that claim the station
     at     -- vertices at which they stand, or at which their granted edges end
-    kept   -- vertices of `at` that the robots there do not leave to make room
+    kept   -- vertices of `at` where the robots do not make room
     """
 
     inside: int = 0
@@ -118,12 +118,12 @@ class _Turns:
 
     @property
     def has_room(self) -> bool:
-        """Whether there is room for a turn of one more robot that does not claim the station."""
+        """Whether one more robot that does not claim the station can get a turn."""
         return (len({*self.places, *self._inside}) + self._others.inside
                 < self._station.capacity)
 
     def give(self, name: str, wanted: Optional[int] = None) -> None:
-        """Gives a robot a turn for the wanted place, or the nearest free one, if one is free."""
+        """Gives a robot a turn for the wanted place or the nearest free one, if there is one."""
         stood_on = {one.ends_at for one in self._waiters.values() if one.robot != name}
         taken = {*stood_on, *self._others.at, *self.places.values()}
         free = [place for place in self._waiters[name].places if place not in taken]
@@ -166,8 +166,8 @@ def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others:
 
 def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
                   station: Union[Station, Charger], others: Others) -> bool:
-    """Returns whether one more waiter would find a place of the station, or a queue place, beside
-    all waiters.
+    """Returns whether one more waiter would find a place of the station or a queue place, in
+    addition to all other waiters.
 
     If not, the waiter could only wait elsewhere, perhaps in the way. A charger has no queue.
 
@@ -196,8 +196,8 @@ def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List
 
 
 def _behind(before: Queue, arrived: Sequence[str], waiting: Sequence[Waiter]) -> List[str]:
-    """Returns the robots that have not arrived: those on their way, and then those
-    without a queue place.
+    """Returns the robots that have not arrived: first the robots on their way, then those without a
+    queue place.
     """
     away = {one.robot: one for one in waiting if one.robot not in arrived}
     coming = [name for name in (*before.turns, *before.coming) if name in away]

@@ -1,9 +1,9 @@
 """The rules of work at stops: what each event changes, and what may begin.
 
-A step is stored as RUNNING, under a new key, before it is ordered. It is repeated under another key
-only if it is known to have ended without being done, or if a person says so, or if it is harmless.
-If it is not known whether a step has been done, a person is asked. While a step waits for an
-answer, no other step begins.
+A step is stored as RUNNING, under a new key, before it is ordered. It is repeated, under another
+key, only in three cases: it is known to have ended without being done, or a person wants it, or it
+is harmless. If it is not known whether a step has been done, a person is asked. While a step waits
+for an answer, no other step begins.
 
 When a step that takes or gives a load is ordered, the load of the robot counts as unknown until it
 is known how the step has ended. So the stored load is right even if the master ends at any moment.
@@ -50,7 +50,7 @@ from fleet_core.work.work import (
 )
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
-GRACE = 10_000  # ms after a step was told to end: if it has not ended then, a person is asked
+GRACE = 10_000  # ms after the command to end a step: if it still runs then, a person is asked
 
 
 class StepDecision(IntEnum):
@@ -66,7 +66,7 @@ class StepDecision(IntEnum):
 class Where(NamedTuple):
     """What is known of the robot of a mission.
 
-    stands   -- it stands, and no order on its way lets it drive
+    stands   -- it stands, and no order that lets it drive is on its way
     is_there -- it stands at the present stop
     is_near  -- it stands at the present stop, or in front of it
     may_enter -- it may drive to the stop now; False: it must wait for its turn at the station
@@ -121,7 +121,7 @@ def gate_is_closed(work: Work) -> bool:
 
 
 def place_not_to_enter(work: Work) -> Optional[int]:
-    """Returns the vertex that the robot must not enter before other steps have ended.
+    """Returns the vertex that the robot must not enter before some steps have ended.
 
     None: there is none.
     """
@@ -178,9 +178,9 @@ def blocks_none(step: WorkStep, work: Work) -> bool:
 
 
 def _has_stop(work: Work) -> bool:
-    """Returns whether there is a stop left at which steps may run.
+    """Returns whether a stop is left at which steps may run.
 
-    If the mission ends early, there is one only when its work has been cut (`is_cut`).
+    If the mission ends early, there is such a stop only after its work has been cut (`is_cut`).
     """
     return work.current < len(work.progress) and not work.is_ending
 
@@ -198,14 +198,14 @@ def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
 
 
 def _steps_left_behind(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
-    """Returns the steps of earlier stops. Such a step ran on while the robot drove away. So if it
-    is repeated, it begins wherever the robot is.
+    """Returns the steps of earlier stops. Such a step ran on while the robot drove away. So if the
+    step is repeated, it begins wherever the robot is.
     """
     return ((place, step, own) for place, step, own in work.steps if place.stop < work.current)
 
 
 def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
-    """Yields the steps of the present stop up to the first one that may begin, in their order.
+    """Yields, in their order, the steps of the present stop whose turn has come.
 
     The steps before leaving may begin when all steps at the stop have ended.
     """
@@ -222,9 +222,9 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 
 
 def passed(situation: Situation, reached: int) -> Situation:
-    """Returns the situation after the robot has reached so many stops without work.
+    """Returns the situation after the robot has passed the first `reached` stops.
 
-    A stop may be AT_WORK, because it was the last one until others were added. Then it is left.
+    A stop may be AT_WORK, because it was the last one until others were added. It is then left.
     """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
@@ -236,18 +236,18 @@ def passed(situation: Situation, reached: int) -> Situation:
 def follow(situation: Situation, where: Where) -> Situation:
     """Returns the situation after the robot has moved, or steps have ended.
 
-    where -- relative to the present stop; in the result another stop may be the present one
+    where -- seen from the stop that is present now; the result may have another present stop
     """
     work = situation.work
     if where.stands:
-        work = _moved(work, where)  # even if the mission ends
+        work = _moved(work, where)  # also if the mission is ending
     if _has_stop(work):
         work = _followed(work, where)
     return settle(situation._replace(work=work))
 
 
 def _followed(work: Work, where: Where) -> Work:
-    """Returns the work after its present stop has begun or ended, if it has."""
+    """Returns the work after its present stop has begun or ended, if either has happened."""
     number = work.current
     if work.progress[number].state is StopState.WAITING:
         work = _stop(work, StopEvent.GO)
@@ -264,7 +264,7 @@ def _followed(work: Work, where: Where) -> Work:
 def parted(work: Work) -> Work:
     """Returns the work of a mission that its robot does not serve any more.
 
-    None of its steps was ordered, so another robot begins it.
+    None of the mission's steps was ordered, so another robot begins the mission.
     """
     number = work.current
     is_behind = number < len(work.progress) and work.progress[number].state in (
@@ -285,7 +285,7 @@ def _is_made(work: Work, number: int) -> bool:
 def _may_leave(work: Work) -> bool:
     """Returns whether the present stop has ended.
 
-    The last one ends when all steps of the mission have ended.
+    The last stop ends when all steps of the mission have ended.
     """
     number = work.current
     is_last = number == len(work.progress) - 1
@@ -306,7 +306,7 @@ def _was_at_work(work: Work) -> bool:
 def _moved(work: Work, where: Where) -> Work:
     """Returns the work after a robot was moved away from its stop, if it was.
 
-    A person is asked first about the steps that run. Then the robot drives back, if its stop has
+    A person is asked about the steps that run. After that, the robot drives back if its stop has
     steps left.
     """
     if where.is_there or work.current == len(work.progress) or (
@@ -326,7 +326,7 @@ def _moved(work: Work, where: Where) -> Work:
 def next_key(work: Work, last: int, now: int) -> int:
     """Returns the key for the next order of a step: above all keys of this mission.
 
-    last -- the highest key that its robot, or device, has taken
+    last -- the highest key that the robot or device of the step has taken
     now  -- ms since 1970; the clock may have been set back
     """
     return max(now, last + 1, *(own.key + 1 for _, _, own in work.steps))
@@ -414,7 +414,7 @@ def _done(situation: Situation, place: StepPlace) -> Situation:
 
 
 def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation:
-    """Returns the situation after it is known how a step has changed the load."""
+    """Returns the situation when it is known how a step has changed the load."""
     load = situation.load
     if not situation.work.step(place).load or load.state is not LoadState.UNKNOWN:
         return situation
@@ -426,7 +426,7 @@ def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation
 
 
 def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
-    """Returns the situation after a step is known to have ended without being done.
+    """Returns the situation when a step is known to have ended without being done.
 
     The policy of the step decides what follows.
     """
@@ -470,7 +470,7 @@ def may_be_repeated(step: WorkStep, own: StepProgress) -> bool:
 
 
 def expire(situation: Situation, now: int) -> Situation:
-    """Returns the situation after all timeouts that have passed. `now`: ms since 1970."""
+    """Returns the situation after the timeouts that are over at `now` (ms since 1970)."""
     for place, step, own in tuple(situation.work.steps):
         over = own.begun + round(1000.0 * step.timeout)
         if own.state is not StepState.RUNNING or now < over:
@@ -543,7 +543,7 @@ def cancel(situation: Situation, reason: str = '') -> Situation:
 
 
 def fail(situation: Situation, reason: str) -> Situation:
-    """Returns the situation of a mission when neither its stops nor those of `on_cancel` can be
+    """Returns the situation of a mission when neither its stops nor the stops of `on_cancel` can be
     made any more.
     """
     return settle(situation._replace(work=replace(
@@ -563,7 +563,7 @@ def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
 
 
 def settle(situation: Situation) -> Situation:
-    """Returns the situation of a mission that ends, after each part that can end now has ended."""
+    """Returns the situation of an ending mission, after each part that can end now has ended."""
     if not situation.work.is_ending:
         return situation
     for place, _, own in tuple(situation.work.steps):
@@ -586,7 +586,7 @@ def settle(situation: Situation) -> Situation:
 
 
 def _cut(work: Work, event: StopEvent) -> Work:
-    """Returns the work without the stops that have not begun; a stop that has begun ends."""
+    """Returns the work without the stops that have not begun. A stop that has begun is ended."""
     number = work.current
     if number == len(work.progress):
         return work
@@ -632,7 +632,7 @@ def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
 
 
 def chosen(situation: Situation, place: int) -> Situation:
-    """Returns the situation after another place of its group is chosen for the present stop."""
+    """Returns the situation after another place of the group is chosen for the present stop."""
     work = situation.work
     stops = list(work.stops)
     stops[work.current] = replace(stops[work.current], place=place)
@@ -657,7 +657,7 @@ def said_loaded(load: RobotLoad, serial: int, work: Optional[Work] = None) -> Ro
 
     If the robot counted as empty, its load may be any load that the mission takes.
 
-    work -- of the mission; None: it has no steps
+    work -- the work of the mission; None: the mission has no steps
     """
     types = load.may_be or {step.load_type or ANY_LOAD for _, step, _ in (
         () if work is None else work.steps) if step.load is LoadEffect.TAKES}
@@ -679,9 +679,9 @@ def to_take(work: Work) -> FrozenSet[str]:
 
 
 def commands(work: Work, report: StepReport, device: str = '') -> List[StepCommand]:
-    """Returns the commands to the robot, or a device, that its report does not show yet.
+    """Returns the commands to the robot or to a device that the report does not show yet.
 
-    `work` must be stored before. A key is sent only when the report shows all lower keys.
+    `work` must be stored already. A key is sent only when the report shows all lower keys.
     """
     found: List[StepCommand] = []
     for step, own in _to_be_told(work, report, device):

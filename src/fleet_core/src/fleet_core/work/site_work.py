@@ -27,7 +27,7 @@ class JobSteps(NamedTuple):
 
 @dataclass(frozen=True)
 class SiteWork:
-    """All data about work at a site. Each mapping is by name, in the order of the file.
+    """All data about work at a site. The keys of each mapping are names, in the order of the file.
 
     devices -- devices through which edges lead
     step_devices -- devices that carry out steps

@@ -53,10 +53,10 @@ def place_of(word: str, stations: Mapping[str, Station], graph: Graph) -> int:
 
 
 def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple[int, ...]:
-    """Returns the places that a word names: one vertex, or the equal ones of a group.
+    """Returns the places that a word names: one vertex, or the equal vertices of a group.
 
-    The word is the name of a station, the id of a vertex, or a label that only one vertex has. A
-    word that is both a name of a station and a label means the station. Raises UnknownPlace.
+    The word is the name of a station, the id of a vertex, or a label that only one vertex has. If a
+    word is both the name of a station and a label, it means the station. Raises UnknownPlace.
     """
     if word in stations:
         return _places_at(stations[word])

@@ -1,4 +1,4 @@
-"""Stops and their steps, as a mission asks for them, and the rules for refusing them."""
+"""Stops and their steps, as they are requested for a mission, and the rules for refusing them."""
 from __future__ import annotations
 
 import math
@@ -8,11 +8,11 @@ from typing import Sequence, Tuple
 
 from route_protocol.steps import HAND_OVER
 
-MOST_STOPS = 1000       # stops of one mission, those of `on_cancel` included
-MOST_STEPS = 50         # steps of one stop
+MOST_STOPS = 1000       # maximum number of stops of a mission, including `on_cancel`
+MOST_STEPS = 50         # maximum number of steps of a stop
 LONGEST_TIMEOUT = 1e6   # s; more is a mistake
 MOST_RETRIES = 100
-_LONGEST_TEXT = 256     # letters of a type, or of a parameter
+_LONGEST_TEXT = 256     # maximum number of letters of a type or parameter
 _MOST_PARAMETERS = 20
 
 
@@ -47,14 +47,14 @@ class Actor(IntEnum):
 
     ROBOT = 0
     PERSON = 1
-    OUTSIDE = 2   # a program that answers with a mission command
+    OUTSIDE = 2   # a program, which answers with a mission command
     DEVICE = 3    # a press or a conveyor; the work file has its address
 
     @property
     def has_driver(self) -> bool:
         """Whether the actor obeys step commands and reports how a step ends.
 
-        For the other actors a person or program answers how the step has ended.
+        For the other actors, the answer of a person or program says how the step has ended.
         """
         return self in (Actor.ROBOT, Actor.DEVICE)
 
@@ -88,11 +88,11 @@ class LoadEffect(IntEnum):
 class WorkStep:
     """One step of a stop.
 
-    type       -- name of the work, which the actor knows
+    type       -- name of the kind of work, which the actor knows
     timeout    -- s after which its outcome counts as unknown
     retries    -- for RETRY: how many times it is repeated
-    harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
-    breakable  -- it is broken off when its mission is cancelled or its time is over
+    harmless   -- it may be carried out twice, so it may be repeated if its outcome is unknown
+    breakable  -- the step is broken off when its mission is cancelled or its time is over
     device     -- for DEVICE: name of the device that carries it out
     load_type  -- the type of load that it takes, as in the work file; empty: it is not known
 
@@ -119,8 +119,8 @@ class WorkStop:
     """One stop: a vertex, and the steps there.
 
     place     -- vertex; for a group, the chosen vertex; 0 in a request: none is chosen yet
-    condition -- for a stop after a cancellation: with which load the robot makes it
-    group     -- name of a group: the stop may be at any of its places; empty: only at `place`
+    condition -- for a stop after a cancellation: the load with which the robot makes it
+    group     -- name of a group: the stop may be at any place of the group; empty: only at `place`
     """
 
     place: int
@@ -131,7 +131,7 @@ class WorkStop:
 
 
 def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:
-    """Returns the dwells of the destinations: a robot stays until its work there has ended.
+    """Returns the dwells at the destinations: at each one, a robot stays until its work has ended.
 
     At the last stop it stays until all steps of the mission have ended.
     """
@@ -188,7 +188,7 @@ def problem_of(step: WorkStep) -> str:
 
 
 def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
-    """Returns, for each rule about a change of the load, whether the step breaks it, and a text."""
+    """Returns, for each rule about loads, whether the step breaks the rule, and a text."""
     return (
         (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
         (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),

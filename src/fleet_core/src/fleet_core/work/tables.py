@@ -13,7 +13,7 @@ class StepState(Enum):
 
     WAITING = 'waiting'
     RUNNING = 'running'
-    ASK = 'ask'           # a person must decide what follows; no later step begins meanwhile
+    ASK = 'ask'           # a person must decide what follows; until then no later step begins
     DONE = 'done'
     FAILED = 'failed'
     CANCELLED = 'cancelled'
@@ -47,7 +47,7 @@ class StopState(Enum):
 
     @property
     def is_final(self) -> bool:
-        """Whether the stop is behind the robot, made or not made."""
+        """Whether the stop has ended, whether the robot made it or not."""
         return self in (StopState.DONE, StopState.FAILED, StopState.SKIPPED)
 
 

@@ -1,7 +1,7 @@
 """Templates of missions: stops in which parameters stand for places and for texts of steps.
 
 The fleet manager fills a template in when it accepts a mission, and stores the stops. So the
-mission stays the same if the work file changes later, even if its request is sent again. The sender
+mission stays the same if the work file changes later, even if the request is sent again. The sender
 needs no work file: only the fleet manager reads it. The fleet manager also runs the timetables.
 """
 from __future__ import annotations
@@ -67,7 +67,7 @@ def check_arguments(template: Template, names: Iterable[str]) -> None:
 def filled(stops: Iterable[TemplateStop], arguments: Mapping[str, str],
            place: Callable[[str], int],
            group: Callable[[str], str] = lambda _: '') -> Tuple[WorkStop, ...]:
-    """Returns the stops with arguments in the place of parameters.
+    """Returns the stops with arguments in place of their parameters.
 
     place -- returns the vertex for the word of a stop, or raises an error, which is passed on
     group -- returns the group that the word of a stop names; empty: it names none

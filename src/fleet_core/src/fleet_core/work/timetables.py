@@ -1,8 +1,8 @@
 """Timetables: templates that are run at times of the day.
 
-A run is named by the time that the site's clock on the wall shows: a `WallMinute`. So a run is made
-only once if that clock shows its time twice. A run whose time the clock skips is not lost: it is
-made at the first time that the clock shows afterwards.
+A run is named by the time that the site's clock on the wall shows: a `WallMinute`. So if that clock
+shows the time of a run twice, the run is made only once. If the clock skips the time of a run, the
+run is made at the first time that the clock shows afterwards.
 """
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ class Timetable:
     """The times at which a template is run.
 
     arguments -- for the parameters of the template
-    every     -- minutes from one run to the next one of a day
+    every     -- minutes between two runs on one day
     begin     -- minute of the day of its first run
-    end       -- minutes from the beginning of that day to the last time at which a run may be;
-                 more than a day: after midnight
+    end       -- minutes from the beginning of that day to the last possible run; more than a day:
+                 after midnight
     days      -- days of the week on which it begins; 0 is Monday
-    priority  -- of its missions
+    priority  -- priority of its missions
     deadline  -- minutes after the time of a run by which it must be done; 0: no deadline
     """
 
@@ -69,13 +69,13 @@ class Timetable:
 
 
 class DueRun(NamedTuple):
-    """The run that a timetable asks for now.
+    """The run that is due now according to a timetable.
 
     run         -- the run to be made now; None: there is none
     missed      -- number of earlier runs that were not made, and will not be made any more
     last        -- the minute up to which all runs are made or missed
-    is_set_back -- the clock was set back by more than a day: the runs go on from the time that it
-                   shows now
+    is_set_back -- the clock was set back by more than a day; the runs go on from the time that the
+                   clock shows now
     """
 
     run: Optional[WallMinute]

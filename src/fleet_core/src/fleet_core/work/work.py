@@ -36,12 +36,12 @@ class Ending(Enum):
 class StepProgress:
     """The progress of one step.
 
-    key      -- number under which it was ordered last; 0: it was never ordered
-    run      -- the run of its robot, or device, for which it was ordered
+    key      -- number under which the step was ordered last; 0: the step was never ordered
+    run      -- the run of its robot or device for which the step was ordered
     begun    -- the time at which it was ordered, in ms since 1970
     times_ordered -- how many times it was ordered
     is_ended -- it must not begin any more; if it runs, it must end if its actor can end it
-    text     -- for people: why it failed, or why a person is asked
+    text     -- for people: why the step failed, or why a person is asked
     """
 
     state: StepState = StepState.WAITING
@@ -75,7 +75,7 @@ class Work:
 
     stops     -- stops that have been made, and stops that are to be made
     on_cancel -- stops that may follow a cancellation
-    is_cut    -- the mission ends, so stops of `on_cancel` have replaced the stops that were left
+    is_cut    -- the mission ends early, so stops of `on_cancel` have replaced the remaining stops
     reason    -- why the mission ends, for people
     """
 
@@ -88,12 +88,12 @@ class Work:
 
     @property
     def is_ending(self) -> bool:
-        """Whether the mission is to end, but something that it has begun has not ended yet."""
+        """Whether the mission is to end early, but a step that it has begun has not ended yet."""
         return self.ending is not Ending.NONE and not self.is_cut
 
     @cached_property
     def current(self) -> int:
-        """Number of the stop that is made now or next; if there is none, the number of stops."""
+        """Number of the stop that is made now or next; after the last stop, the number of stops."""
         return next((k for k, stop in enumerate(self.progress) if not stop.state.is_final),
                     len(self.progress))
 
@@ -113,24 +113,24 @@ class Work:
         return self.progress[place.stop].steps[place.step]
 
     def with_step(self, place: StepPlace, own: StepProgress) -> Work:
-        """Returns the work with another progress of one step."""
+        """Returns the work with a new progress of one step."""
         stop = self.progress[place.stop]
         steps = (*stop.steps[:place.step], own, *stop.steps[place.step + 1:])
         return self.with_stop(place.stop, replace(stop, steps=steps))
 
     def with_stop(self, number: int, stop: StopProgress) -> Work:
-        """Returns the work with another progress of one stop."""
+        """Returns the work with a new progress of one stop."""
         return replace(self, progress=(*self.progress[:number], stop,
                                        *self.progress[number + 1:]))
 
     @cached_property
     def asking(self) -> Optional[StepPlace]:
-        """The first step that waits for the answer of a person; None: none does."""
+        """The first step that waits for the answer of a person; None: no step waits."""
         return next((place for place, _, own in self.steps if own.state is StepState.ASK), None)
 
     @property
     def answerable(self) -> Optional[StepPlace]:
-        """The step that `mission answer` answers: one in ASK, or a running one without a driver."""
+        """The step that `mission answer` answers: it is in ASK, or runs and has no driver."""
         others = (place for place, step, own in self.steps
                   if own.state is StepState.RUNNING and not step.actor.has_driver)
         return self.asking or next(others, None)
@@ -140,7 +140,7 @@ class Work:
 class RobotLoad:
     """The load of a robot.
 
-    serial -- of the mission whose load it is; 0: none
+    serial -- serial of the mission whose load it is; 0: none
     count  -- number of pieces; while the state is UNKNOWN, the last known number
     types  -- names of the types of load that the robot may carry, sorted; None: not known
     """
@@ -158,7 +158,7 @@ class RobotLoad:
         return frozenset((ANY_LOAD,) if self.types is None else self.types)
 
     def with_types(self, types: Iterable[str]) -> RobotLoad:
-        """Returns the same load; the robot may now carry these types as well."""
+        """Returns the same load, but the robot may now carry these types, too."""
         return replace(self, types=tuple(sorted(self.may_be.union(types))))
 
     def is_bound_to(self, serial: int) -> bool:

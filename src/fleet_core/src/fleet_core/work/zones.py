@@ -7,10 +7,10 @@ from typing import Tuple
 
 @dataclass(frozen=True)
 class Zone:
-    """A part of a site. A robot claims it before it is granted one of its edges or vertices.
+    """A part of a site. A robot claims the zone before it is granted an edge or vertex of it.
 
     edges    -- ids of its edges
-    vertices -- ids of its vertices; the edges at them belong to it as well
+    vertices -- ids of its vertices; the edges at these vertices belong to the zone, too
     capacity -- number of robots that may be in it
     """
 
