@@ -48,7 +48,7 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
 
 
 @pytest.mark.parametrize('rounds', [0, 2])
-def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
+def test_no_robot_passes_ahead_of_a_slow_robot_whose_drive_is_released(rounds):
     """A released drive stays released: another robot waits for it, even if there is time to pass.
     """
     crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),

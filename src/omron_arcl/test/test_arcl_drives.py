@@ -1026,7 +1026,7 @@ class TestWhoseStopping:
         assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
 
-    def test_the_stopped_of_another_client_does_not_end_our_stop(self, bench):
+    def test_a_stopped_line_for_another_client_does_not_end_our_stop(self, bench):
         """The stop is owed for a drive that the robot begins only after this `Stopped`."""
         bench.status('Stopped')
         bench.drive(ROUTE)

@@ -330,7 +330,7 @@ class TestOurStop:
 
     @pytest.mark.parametrize('lines', [['Stopping', 'Going to 9'],
                                        ['Stopping', 'Stopped', 'Going to 9']])
-    def test_is_owed_though_another_client_stops_and_drives_before_the_drive_that_it_is_for(
+    def test_is_owed_though_another_client_stops_and_drives_before_the_drive_to_be_stopped(
             self, bench, lines):
         """Once, the robot drove on to 12 after an outage, and was not stopped."""
         bench.drive(PERSON)

@@ -633,9 +633,9 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether the vehicle may obey an order that the journal lacks, according to a report.
+    """Returns whether the vehicle, by its report, may obey an order that the journal lacks.
 
-    If a newer order was taken, the vehicle obeys none of these orders.
+    A vehicle that has taken a newer order does not obey the order that the journal lacks.
     """
     low, high = master.gap
     return low < max(said.order, said.refused) and said.order < high and (

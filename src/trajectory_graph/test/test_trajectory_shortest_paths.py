@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and no edge makes the path to another vertex shorter."""
+"""Shortest paths are drivable routes, and no path with one more edge is a shorter one."""
 from __future__ import annotations
 
 import pytest

@@ -235,7 +235,7 @@ def stop_past(fleet):
         fleet.agvs[order.robot].receive(route_order(order.order))
 
 
-def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
+def test_a_stop_that_bypasses_the_supervisor_lasts_if_the_supervisor_is_killed():
     """The stop is not on the disk, but the robots report it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')

@@ -59,7 +59,7 @@ _NO_ANSWER = frozenset((
 
 
 class LinePart(Enum):
-    """A part of the table: what a line may decide. Each part decides independently."""
+    """One of the questions that a line may answer. Each has its own part of the table."""
 
     HALT = 'the cause of a `Stopping`: our stop, the robot itself or another client'
     ENDED = 'the drives that the line is about, and that have ended for their givers'

@@ -164,8 +164,8 @@ class RobotWords:
         """Notes that the robot answers a query with a status.
 
         The robot answers in the order of sending, but it may obey a stop a moment after its answer
-        to the next query. Once it has also answered the query after that, no `Stopping` for this
-        stop will come: some robots say `Stopping` once for several stops.
+        to the next query. After its answer to the second query after the stop, no `Stopping` is
+        expected any more. It may be missing: some robots say it once for several stops.
         """
         self._stops = [stop for stop in self._stops if stop > self._answered]
         self.unheard_stops, self._answered = min(self.unheard_stops, len(self._stops)), order

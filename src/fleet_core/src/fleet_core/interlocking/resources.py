@@ -74,10 +74,10 @@ class Needs:
     """The resources that the places of one graph need.
 
     An edge also needs what the vertices at its ends need, because a robot on the edge may stand
-    there. But the rest of an edge does not need the resources of the vertex behind the robot if no
-    part of the robot covers that vertex. So if a person puts a robot down on the edge, it may drive
-    on while another robot claims these resources. If a robot claims them already, it keeps the
-    claim until it has left the edge.
+    there. But if no part of the robot covers the vertex behind it any more, the part of the edge
+    ahead of the robot does not need the resources of that vertex. So if a person puts a robot down
+    on the edge, it may drive on while another robot claims these resources. If a robot claims them
+    already, it keeps the claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:

@@ -50,8 +50,8 @@ _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robots_of(message: msg.FleetState) -> List[ShownRobot]:
-    """Returns the robots in /fleet_state. `not_open` of a robot names the device that the robot is
-    in although no report says that the device is open.
+    """Returns the robots in /fleet_state. `not_open` of a robot names a device: the robot is in it,
+    but no report says that the device is open.
     """
     not_open = {claim.robot: one.name for one in message.resources for claim in one.claims
                 if one.has_device and claim.state == msg.ResourceClaim.LOST}

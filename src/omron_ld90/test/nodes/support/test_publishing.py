@@ -1,4 +1,4 @@
-"""Lines are published byte for byte; a message that cannot be serialised ends no topic."""
+"""Lines are published byte for byte. A message that cannot be serialised does not end its topic."""
 from __future__ import annotations
 
 import struct
