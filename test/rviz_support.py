@@ -138,10 +138,12 @@ class RvizWindow:
     def tool(self, key: str) -> None:
         """Chooses a tool by its shortcut: c Publish Point, g 2D Nav Goal, p 2D Pose Estimate."""
         self._screen.mouse('mousemove', WIDTH // 2, 95)
-        self._screen.mouse('key', 'i')
-        interact = self._at_rest(TOOLBAR)
 
-        def taken() -> bool:  # a key is lost if it comes before the window has the keyboard focus
+        def taken() -> bool:
+            # A key is lost if it comes before the window has the keyboard focus. And a slow RViz
+            # may still show the tool from before `i`: if that was the same tool, nothing changes.
+            self._screen.mouse('key', 'i')
+            interact = self._at_rest(TOOLBAR)
             self._screen.mouse('key', key)
             return self._at_rest(TOOLBAR) != interact
         wait_until(taken, PATIENCE, f'RViz takes tool {key}')
