@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import BRIDGE, RouteRobot, state_list
 from std_msgs.msg import String
 
-from itrci_nav_msgs.msg import Edge, EdgeState, Graph, Vertex
+from itrci_nav_msgs.msg import Edge, EdgeState, ExecutionRouteStates, Graph, Vertex
 from omron_ld90_msgs.msg import ExecuteCommandAction, ExecuteCommandGoal
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
@@ -34,6 +34,9 @@ class Faults(unittest.TestCase):
     def tearDown(self) -> None:
         """Ends the fault and brings the robot back to vertex 8."""
         self.lab.robot.inject('estop release')
+        at_rest = (ExecutionRouteStates.STANDING, ExecutionRouteStates.MOVED)
+        wait_until(lambda: self.lab.states.messages[-1].motion in at_rest, 30,
+                   'no stop of the bridge is on its way, which would overtake a drive')
         heard = len(self.lab.responses.messages)
         self.others.publish('enableMotors')
         with self.lab.at_speed(16.0):

@@ -12,7 +12,7 @@ import os
 import tempfile
 import time
 from random import Random
-from typing import Callable, Iterator, NamedTuple, Sequence
+from typing import Callable, Iterator, List, NamedTuple, Sequence, cast
 
 import numpy as np
 import page
@@ -133,7 +133,7 @@ def map_reading(count: int) -> float:
     (left, low), (right, high) = some.min(axis=0), some.max(axis=0)
     data = (f'2D-Map\nMinPos: {left} {low}\nMaxPos: {right} {high}\nNumPoints: {count}\n'
             'PointsAreSorted: true\nResolution: 20\nDATA\n'
-            + ''.join(f'{x} {y}\n' for x, y in some.tolist())).encode()
+            + ''.join(f'{x} {y}\n' for x, y in cast(List[List[int]], some.tolist()))).encode()
     return lowest(lambda: MapDocument.from_bytes(data).warnings)
 
 

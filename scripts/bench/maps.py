@@ -15,7 +15,7 @@ import threading
 import time
 import warnings
 from pathlib import Path
-from typing import Iterator, List
+from typing import Iterator, List, cast
 
 import numpy as np
 from genpy import Time
@@ -75,7 +75,7 @@ def load_million() -> Row:
     """
     points = np.unique(np.random.default_rng(1).integers(-20_000, 20_000, (1_001_000, 2)) * 20,
                        axis=0)[:1_000_000]
-    text = '\n'.join(f'{x} {y}' for x, y in points.tolist()) + '\n'
+    text = '\n'.join(f'{x} {y}' for x, y in cast(List[List[int]], points.tolist())) + '\n'
     low, high = points.min(axis=0), points.max(axis=0)
     head = (f'2D-Map\nMinPos: {low[0]} {low[1]}\nMaxPos: {high[0]} {high[1]}\n'
             f'NumPoints: {len(points)}\nPointsAreSorted: true\nResolution: 20\nDATA\n')
@@ -95,7 +95,7 @@ def grid() -> Row:
     walls = [(i * 20, j) for i in range(side) for j in (0, 20 * (side - 1))]
     noise = np.random.default_rng(2).integers(0, side, (40_000, 2)) * 20
     points = np.unique(np.concatenate((walls, noise)), axis=0)
-    text = ''.join(f'{x} {y}\n' for x, y in points.tolist())
+    text = ''.join(f'{x} {y}\n' for x, y in cast(List[List[int]], points.tolist()))
     document = MapDocument.from_bytes(f'2D-Map\nResolution: 20\nDATA\n{text}'.encode())
 
     def build() -> None:
@@ -116,8 +116,9 @@ def markers() -> Row:
     array = np.random.default_rng(3).random((100_000, 3))
     fast = PointsMarker(array, type=Marker.POINTS)
     ours = milliseconds(lambda: fast.serialize(io.BytesIO()))
-    plain = milliseconds(lambda: Marker(points=[Point(*row) for row in array.tolist()]).serialize(
-        io.BytesIO()), runs=3)
+    plain = milliseconds(
+        lambda: Marker(points=[Point(*row) for row in cast(List[List[float]], array.tolist())]
+                       ).serialize(io.BytesIO()), runs=3)
     copy = milliseconds(lambda: io.BytesIO().write(array.data))
     return Row('marker of 100,000 points, serialised', f'{ours:.2f} ms',
                f'copied: {copy:.2f} ms; list of Point objects: {plain:.0f} ms', '')

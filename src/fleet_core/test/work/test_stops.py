@@ -44,7 +44,7 @@ STEP = WorkStep('engage', 60.0)
     ({'device': 'press'}, 'needs the name of a device'),
     ({'actor': Actor.DEVICE, 'device': 'press'}, 'its type must be handshake'),
     ({'actor': Actor.DEVICE, 'device': 'press', 'type': 'handshake', 'parameters': (('a', '1'),)},
-     'no parameters'),
+     'must not have parameters'),
     ({'on_failure': Policy.RETRY}, 'needs retries'), ({'retries': 1}, 'needs retries'),
     ({'load': LoadEffect.TAKES, 'blocking': StepBlocking.SOFT}, 'must be HARD'),
     ({'load': LoadEffect.GIVES, 'when': When.BEFORE_LEAVING}, 'AT the stop'),

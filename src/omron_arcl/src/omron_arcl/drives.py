@@ -500,6 +500,9 @@ class Drives:
         """Notes that a command is sent to the robot."""
         if execution.command.spec.stops:
             self.heard.stop_sent(execution.order)
+        record = self.record_of(execution)
+        if record is not None:
+            self._mark(record.number, order=execution.order)
 
     # --- progress of commands ---------------------------------------------------------------------
 
@@ -538,7 +541,7 @@ class Drives:
         if execution.command.spec.stops and not self.has_begun(execution) and (
                 outcome in UNHEEDED or under_way and under_way.doubt
                 and is_settled(under_way.doubt, None, now)):  # its doubt has ended it
-            self.heard.forget_stop()
+            self.heard.forget_stop(execution.order)
         if under_way is not None:
             self._mark(under_way.number, doubt=None)
 
@@ -661,6 +664,8 @@ class Drives:
         self._unseen = self._unseen or self._connected and not connected
         self._connected = connected
         self.heard = RobotWords(self.heard.emergency_told, self._number)
+        for record in self._records:
+            self._mark(record.number, order=0)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
@@ -818,7 +823,7 @@ class Drives:
              and goal.casefold() in r.names), None)
         if record and self._memory.stop_owed:
             self._mark(record.number, acknowledged_by=line)
-            self._count_stops_behind(record)
+            self.heard.drive_answered(record.order)
         elif record:
             self._obeyed(record.number, line)
             self._stop_if_cancelled(record)
@@ -1024,23 +1029,12 @@ class Drives:
         if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
-        self._count_stops_behind(record)
+        self.heard.drive_answered(record.order)
         self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind is RecordKind.STOP
             or r.kind is RecordKind.DRIVE and not self._is_gone(r)))
         self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
-
-    def _count_stops_behind(self, drive: DriveRecord) -> None:
-        """Counts the unanswered stops when the robot answers a drive.
-
-        The robot answers in the order of sending: the stops before the drive are answered, and
-        the stops after the drive are not.
-        """
-        self.heard.stops_left(sum(
-            r.kind is RecordKind.STOP and r.number > drive.number
-            and (r.fate is Fate.OVER or self._was_sent(r))
-            for r in (*self._aside, *self._records)))
 
     def _rules(self, record: DriveRecord, ruling: Optional[DriveRecord]) -> None:
         """Begins an epoch because a drive has become the ruling record.
@@ -1128,7 +1122,7 @@ class Drives:
         self._memory = replace(self._memory, last_commands=_shortened(
             told, _KEPT_GIVERS, [one for one in told if one.fate in _DECIDED]))
         self._store(replace(self._memory, records=tuple(
-            replace(record, doubt=None) for record in self._records)))
+            replace(record, order=0, doubt=None) for record in self._records)))
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
         stops = [r for r in self._aside  # the robot may still obey them

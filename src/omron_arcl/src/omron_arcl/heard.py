@@ -156,9 +156,13 @@ class RobotWords:
         self._stops.append(order)
         self.unheard_stops += 1
 
-    def stops_left(self, number: int) -> None:
-        """Notes that the robot has still to answer `number` of the stops that were sent."""
-        self.unheard_stops = min(number, len(self._stops))
+    def drive_answered(self, order: int) -> None:
+        """Notes that the robot answers the drive with this number in the order of sending.
+
+        The robot answers in this order: the stops before the drive are answered, and the stops
+        after the drive are not.
+        """
+        self.unheard_stops = sum(stop > order for stop in self._stops)
 
     def answered(self, order: int) -> None:
         """Notes that the robot answers a query with a status.
@@ -170,8 +174,10 @@ class RobotWords:
         self._stops = [stop for stop in self._stops if stop > self._answered]
         self.unheard_stops, self._answered = min(self.unheard_stops, len(self._stops)), order
 
-    def forget_stop(self) -> None:
-        """Notes that the robot will not answer one of the stops that were sent."""
+    def forget_stop(self, order: int) -> None:
+        """Notes that the robot will not answer the stop with this number in the order of sending.
+        """
+        self._stops = [stop for stop in self._stops if stop != order]
         self.unheard_stops = max(self.unheard_stops - 1, 0)
 
     def _stands(self) -> None:

@@ -123,6 +123,10 @@ class DriveRecord:
     """Giver and number of each earlier stop that this stop has replaced; they share its fate."""
     is_cancelled: bool = False
     """Whether the giver has cancelled this drive while a newer drive was about to replace it."""
+    order: int = field(default=0, compare=False)
+    """The number of a drive in the order of sending on this connection; 0: it was not sent on this
+    connection. It is not stored.
+    """
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 

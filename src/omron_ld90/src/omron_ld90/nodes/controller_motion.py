@@ -48,7 +48,7 @@ class MotionFile:
                 return None
             memory = from_json(DriveMemory, content, added=(
                 'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for',
-                'is_cancelled', 'foreign_epoch'))
+                'is_cancelled', 'order', 'foreign_epoch'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:
