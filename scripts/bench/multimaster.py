@@ -150,11 +150,13 @@ def measure(fleet: JoinedFleet, cable: Cable) -> None:
                                f'{recovered:.2f} s, {lost} reports lost', '< 3 s'))
         up, crossed = zip(*died(fleet.robot, robot, REPORTS[0], reports))
     print_row(('robot\'s computer dead and started anew: its own start', seconds(list(up)), ''))
-    print_row(('from then on until its first report crosses', seconds(list(crossed)), '< 3 s'))
+    print_row(('from that moment until its first report crosses the link',
+               seconds(list(crossed)), '< 3 s'))
     with listening(fleet.robot, robot, STATES) as states:
         up, crossed = zip(*died(fleet.manager, manager, STATES[0], states))
     print_row(('fleet\'s computer dead and started anew: its own start', seconds(list(up)), ''))
-    print_row(('from then on until its first fleet state crosses', seconds(list(crossed)), '< 3 s'))
+    print_row(('from that moment until its first fleet state crosses the link',
+               seconds(list(crossed)), '< 3 s'))
     for name, (there, back) in (('standing', standing), ('driving', driving)):
         print_row((f'across the link for one {name} robot: from it / to it',
                    f'{there / 1000:.1f} / {back / 1000:.1f} kB/s', '< 20 kB/s'))

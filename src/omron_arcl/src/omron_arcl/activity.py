@@ -49,6 +49,8 @@ MOVING = frozenset((
 # In these activities the robot is about to stand, or it is unknown whether it stands.
 _NEITHER = (ActivityKind.STOPPING, ActivityKind.UNKNOWN)
 STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
+HALTED = (ActivityKind.STOPPING, ActivityKind.STOPPED)
+"""The activities of a robot that was stopped, or that stops."""
 
 
 class Activity(NamedTuple):

@@ -20,11 +20,18 @@ from enum import Enum
 from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
-from omron_arcl.activity import STANDING, Activity, ActivityKind, activity_of, read_activity
+from omron_arcl.activity import (
+    HALTED,
+    STANDING,
+    Activity,
+    ActivityKind,
+    activity_of,
+    read_activity,
+)
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import DriveCourse
-from omron_arcl.drives import names_of
+from omron_arcl.drives import REFUSED, names_of
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
@@ -36,8 +43,6 @@ from omron_arcl.secret import redact_passwords
 
 _TO_GOAL = ActivityKind.GOING_TO_GOAL
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
-_STOPPED = (ActivityKind.STOPPING, ActivityKind.STOPPED)
-_REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND)
 _ROUNDED = 2.0  # mm or degrees by which a point may differ when the robot repeats it
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
@@ -191,8 +196,8 @@ class Attribution:
         out for another client. If it has been stopped since then, this is known already.
         """
         text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
-        is_refused = execution.result is not None and execution.result.outcome in _REFUSED
-        if text and is_refused and shown is not None and shown.kind not in _STOPPED:
+        is_refused = execution.result is not None and execution.result.outcome in REFUSED
+        if text and is_refused and shown is not None and shown.kind not in HALTED:
             self._starts(Begins.OTHERS, activity_of(parse_line(text)), text)
 
     def _starts(self, why: Begins, activity: Activity, text: str) -> None:

@@ -115,7 +115,7 @@ from typing import (
 )
 
 from omron_arcl import replies
-from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
+from omron_arcl.activity import HALTED, MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_table import spec_of
 from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError, Busy
@@ -174,10 +174,11 @@ TRANSITIONS: Mapping[Event, Tuple[_Next, _Next, _Next]] = {
     Event.CONFIRMED:      (Fate.GIVEN,   Fate.OBEYED,  Fate.UNKNOWN),
 }
 _FROM = (Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN)
+REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND)
+"""The outcomes of a command that the robot refuses."""
 _EVENTS: Mapping[Outcome, Event] = {
     Outcome.SUCCEEDED: Event.COMPLETED, Outcome.FAILED: Event.FAILED,
-    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
-                     Outcome.NEVER_SENT, Outcome.OVERRULED), Event.REFUSED),
+    **dict.fromkeys((*REFUSED, Outcome.NEVER_SENT, Outcome.OVERRULED), Event.REFUSED),
     Outcome.INTERRUPTED: Event.WITHDRAWN, Outcome.CANCELLED: Event.WITHDRAWN,
     Outcome.LOST: Event.LOST, Outcome.TIMED_OUT: Event.LOST,
     Outcome.EMERGENCY_STOPPED: Event.EMERGENCY_STOP}
@@ -664,8 +665,7 @@ class Drives:
         self._unseen = self._unseen or self._connected and not connected
         self._connected = connected
         self.heard = RobotWords(self.heard.emergency_told, self._number)
-        for record in self._records:
-            self._mark(record.number, order=0)
+        self._records = tuple(replace(record, order=0) for record in self._records)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
@@ -960,8 +960,7 @@ class Drives:
                        and goal in self._memory.names)
         for_others = (before.kind in (ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT)
                       and ruling is not None and ruling.kind is RecordKind.FOREIGN_DRIVE)
-        return (at_our_goal or for_others) and activity.kind in (
-            ActivityKind.STOPPED, ActivityKind.STOPPING)
+        return (at_our_goal or for_others) and activity.kind in HALTED
 
     def _ends_unlike(self, ruling: DriveRecord, activity: Activity) -> bool:
         """Returns whether the robot stands, but not at the goal of the ruling drive.

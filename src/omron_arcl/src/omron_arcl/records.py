@@ -124,8 +124,8 @@ class DriveRecord:
     is_cancelled: bool = False
     """Whether the giver has cancelled this drive while a newer drive was about to replace it."""
     order: int = field(default=0, compare=False)
-    """The number of a drive in the order of sending on this connection; 0: it was not sent on this
-    connection. It is not stored.
+    """The number of its command in the order of sending on this connection; 0: the command was not
+    sent on this connection. It is not stored.
     """
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
