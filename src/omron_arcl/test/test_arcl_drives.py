@@ -361,6 +361,19 @@ class TestAfterAnOutage:
         assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
         assert not bench.memory.stop_owed, 'the drive of another client is not stopped'
 
+    def test_nor_does_an_older_drive_to_the_same_goal(self, bench):
+        """The robot began one of two lost drives, and was stopped: both are over."""
+        for giver in (ROUTE, OTHER):
+            bench.drive(giver)
+        bench.lose()
+        bench.connect()
+        bench.stop(PERSON)
+        bench.robot('Going to 12', 'Interrupted: Going to 100 200', 'Stopping')
+        assert bench.memory.stop_owed
+        bench.robot('Going to 12')
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
+        assert not bench.memory.stop_owed, 'the drive of another client is not stopped'
+
     def test_a_drive_that_is_to_be_answered_is_not_the_one_that_was_broken_off(self, bench):
         bench.status('Going to 12')
         bench.drive(ROUTE, 'goto 12')

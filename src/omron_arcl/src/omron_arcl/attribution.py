@@ -209,7 +209,7 @@ class Attribution:
         """
         records = self._commands.records
         if why is Begins.LATE:
-            records.begins_late(activity.goal, text)
+            records.begins_late(activity, text)
         else:
             records.driven_by_others(
                 MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT,

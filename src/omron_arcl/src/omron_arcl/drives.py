@@ -57,7 +57,8 @@ Derived values and rules:
 - A motion of the robot belongs to a drive if both have the same name. A motion without the name of
   a goal belongs to a drive without the name of a goal, also after an outage.
 - A drive that the robot has acknowledged does not set out again after the robot has obeyed a stop,
-  or has broken off the drive. A later motion to the same goal is that of another client.
+  or has broken off the drive. After such a stop, older drives do not set out either. A later motion
+  to the same goal is that of another client.
 - If the robot breaks off a drive (`Interrupted`), a new epoch begins at once. The reason may be an
   emergency stop or another client, so the robot's next line or status about its motion begins
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
@@ -788,8 +789,18 @@ class Drives:
 
     def may_begin_late(self, activity: Activity) -> bool:
         """Returns whether this motion may be for a drive of ours that has ended for its giver."""
-        return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
-                   and not (r.acknowledged_by and self._is_stopped_since(r)) for r in self._records)
+        return bool(self._late_drives(activity))
+
+    def _late_drives(self, activity: Activity) -> List[DriveRecord]:
+        """Returns the drives that have ended for their givers and may be the cause of this motion.
+
+        If the robot has acknowledged a drive and was stopped after it, neither this drive nor an
+        older one is returned.
+        """
+        over = max((r.number for r in self._records
+                    if r.acknowledged_by and self._is_stopped_since(r)), default=0)
+        return [r for r in self._records if r.may_move and r.number > over
+                and r.number not in self._executions and _may_cause(r, activity)]
 
     def _is_stopped_since(self, drive: DriveRecord) -> bool:
         """Returns whether the robot has said `Stopping` for a stop that was sent after a drive."""
@@ -816,11 +827,15 @@ class Drives:
         if is_newest and outcome is Outcome.INTERRUPTED:
             self._foreign(MotionCause.INTERRUPTED, False, line)
 
-    def begins_late(self, goal: str, line: str) -> None:
-        """Notes that the robot sets out for a drive of ours that has ended for its giver."""
-        record = self.ended_drive((goal.casefold(),)) or next(
-            (r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
-             and goal.casefold() in r.names), None)
+    def begins_late(self, activity: Activity, line: str) -> None:
+        """Notes that the robot sets out for a drive of ours that has ended for its giver.
+
+        Of several drives, it is the one that the robot has to answer next. If there is none to
+        answer, it is the newest.
+        """
+        drives = [r for r in self._late_drives(activity)
+                  if r.fate is Fate.UNKNOWN and activity.goal.casefold() in r.names]
+        record = next(iter((*filter(self._has_to_answer, drives), *reversed(drives))), None)
         if record and self._memory.stop_owed:
             self._mark(record.number, acknowledged_by=line)
             self.heard.drive_answered(record.order)
