@@ -119,7 +119,7 @@ class Vda5050(unittest.TestCase):
         master.wait(lambda m: m['connectionState'] == 'CONNECTIONBROKEN', 10, 'the last will',
                     'connection', master.count('connection') - 1)
         state = master.wait(lambda s: status_of(s, 'started') == 'FAILED', 20,
-                            'the order from the journal, and its started action FAILED',
+                            'the order from the journal, in which the started action is FAILED',
                             after=master.count())
         self.assertEqual(state['orderId'], 'mission')
         self.assertEqual(node_ids(state), node_ids(before))

@@ -47,7 +47,7 @@ OWN = '127.0.0.1'
 HALF_OPEN = 20_000
 HALF_REQUESTS = {False: b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1',
                  True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the beginning of a TLS handshake
-OPENED_EACH_SECOND = 2000  # half requests, by all attackers
+OPENED_EACH_SECOND = 2000  # half (incomplete) requests that all attackers open together
 IP_BIND_ADDRESS_NO_PORT = 24  # an option of Linux that has no name in the module socket
 ATTACKERS = 2         # processes, because each process may open only a limited number of files
 SEERS = 40
@@ -107,8 +107,11 @@ def stop_times(page: Page, cookie: str) -> List[float]:
 
 def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequence[str],
                    opened: Any) -> None:
-    """Holds half requests open, and replaces those that are ended, at a limited rate."""
-    os.nice(10)  # it plays other computers, which would not use the processors of this computer
+    """Sends `count` requests that stay incomplete, and holds their connections open.
+
+    Opens a new connection for each one that the page ends. The rate of new connections is limited.
+    """
+    os.nice(10)  # true attackers are other computers, and take no time of these processors
     selector = selectors.EpollSelector()
     waiting, begun, added = deque(range(count)), time.monotonic(), 0
 
@@ -139,7 +142,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
                 if half.recv(1000):
                     continue
             except OSError:
-                pass  # it was ended
+                pass  # the page has ended the connection
             selector.unregister(half)
             half.close()
             waiting.append(key.data)

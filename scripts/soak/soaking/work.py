@@ -48,7 +48,7 @@ class SoakPlc(plc.Plc):
 
     @property
     def is_door_open(self) -> bool:
-        """Whether the door is open: its output is set, and the PLC reports true states."""
+        """Whether the door is open: its output is set, and the PLC does not report wrong states."""
         return self.coils.get(plc.COIL, False) and not self.lies
 
     def _set(self, address: int, value: bool) -> None:

@@ -59,7 +59,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
-    # drives that have ended for their givers
+    # the giver has been told that its drive has ended; then the robot says what became of it
     'refused late': Occasion('Stopped', ['goto 12'],
                              ['EStop pressed', again, 'CommandError: goto 12', REASON],
                              ['emergency stop'], MotionCause.EMERGENCY_STOP),

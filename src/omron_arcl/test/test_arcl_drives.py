@@ -1040,7 +1040,7 @@ class TestWhoseStopping:
 
 
     def test_a_stopped_line_for_another_client_does_not_end_our_stop(self, bench):
-        """The stop is owed for a drive that the robot begins only after this `Stopped`."""
+        """The robot begins our drive only after the first `Stopped`, so our stop is still owed."""
         bench.status('Stopped')
         bench.drive(ROUTE)
         bench.robot('Stopping', 'Stopped', 'Going to 12')
@@ -1155,7 +1155,8 @@ class TestWhoseStopping:
 
     def test_a_drive_that_an_emergency_stop_ended_is_answered_before_a_newer_one_to_its_goal(
             self, bench):
-        """Once, the robot seemed to break off the newer drive, and another client was published."""
+        """Once, the newer drive counted as broken off, and the published cause was another client.
+        """
         bench.status('Stopped')
         bench.drive(PERSON, 'goto 3')
         bench.robot('EStop pressed')  # sent before `goto 3` reached the robot

@@ -1,4 +1,4 @@
-"""Two clients of the job server over ARCL, its disk and its fleet manager, without I/O."""
+"""A job server for tests, with two ARCL clients, a disk and a fleet manager; without I/O."""
 from __future__ import annotations
 
 import calendar
@@ -40,7 +40,7 @@ class Line:
         return client
 
     def heard(self, client: Optional[ClientSession] = None) -> List[str]:
-        """The lines for a client since the last call."""
+        """Returns the lines that a client (default: the first one) got since the last call."""
         client = client or self.client
         lines = client.output.decode().split('\r\n')
         client.output.clear()
@@ -64,18 +64,21 @@ class Line:
         return job.mission, job.queued
 
     def show(self, key: Key) -> List[str]:
-        """The lines that follow when the fleet manager shows a mission."""
+        """Lets the fleet manager report a mission. Returns the lines for the first client."""
         self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
         return self.heard()
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
             ) -> List[str]:
-        """The lines that follow when a mission gets a state; its robot, if it has one, drives."""
+        """Gives a mission a state; its robot, if it has one, drives.
+
+        Returns the lines for the first client.
+        """
         self.fleet.set(self.key(number), state, robot)
         return [*self.show(self.key(number)), *self.drive()]
 
     def drive(self, act: DriveAct = DriveAct.DRIVES) -> List[str]:
-        """The lines that follow when the fleet manager shows what the robots do (`act`)."""
+        """Lets the fleet manager report what robots do. Returns the lines for the first client."""
         drives = {key: drive._replace(act=act) for key, drive in self.fleet.drives().items()}
         self.server.announce(self.book.hear_drives(drives))
         return self.heard()

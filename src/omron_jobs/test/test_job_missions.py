@@ -1,4 +1,4 @@
-"""The missions of jobs, in values of the fleet manager's core."""
+"""The missions that are made of jobs: their stops, their goals and the acts of their robots."""
 from __future__ import annotations
 
 import math

@@ -245,7 +245,7 @@ def test_a_master_that_draws_a_number_again_is_found():
 
 
 def test_edges_are_held_while_the_vehicle_drives_a_route_that_is_not_open():
-    """After a new graph was loaded, only a stop is open: the graph lacks an edge of the route."""
+    """A new graph lacks an edge of the route. So the only open order of the master is a stop."""
     state = real.MasterState(epoch=1, number=3, order=2, done=1, commands=True,
                              open=(real.Order(3, 0, 1, ()),),
                              held=(real.Step(1, 12), real.Step(3, 14)))

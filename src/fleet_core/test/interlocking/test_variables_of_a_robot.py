@@ -43,7 +43,8 @@ def listed() -> Dict[str, Set[str]]:
 
 
 def variables() -> Dict[str, Set[str]]:
-    """All attributes of a robot for each class, without leading underscores."""
+    """The attributes of each class whose objects belong to a robot, without leading underscores.
+    """
     master = RouteMaster(RouteRecord(corridor(3), AGV), lambda: 1)
     robot = ManagedRobot('a', AGV, RobotSettings(), master)
     names = {'MasterState': [field.name for field in dataclasses.fields(MasterState)],

@@ -137,7 +137,7 @@ HELPS = ('the disk is freed', 'the fleet is resumed', 'drives', 'obeys or refuse
 
 _NUMBERS = re.compile(r'[-\d]+')
 
-# flags for the consequences when one robot changes
+# flags for the immediate consequences of an event of one robot
 HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 
 class Said(NamedTuple):
@@ -691,7 +691,11 @@ class Yard:
 
     def _followed(self, number: int, before: Tuple[int, ...], ids: Tuple[int, ...],
                   follows: int) -> State:
-        """The state after the immediate consequences of a change of robots."""
+        """The state after an event and its immediate consequences.
+
+        before, ids -- the ids of the robots before and after the event
+        follows     -- flags of the consequences
+        """
         site = self._sites[number]
         if follows & IS_OLDER:
             site = site._replace(is_wrong_run=True)

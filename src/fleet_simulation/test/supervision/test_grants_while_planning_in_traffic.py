@@ -87,7 +87,9 @@ def test_most_answers_fit_because_the_questions_foresee_the_grants(used, monkeyp
 
 
 def test_a_robot_is_granted_edges_while_the_planner_works_on_the_question_after_a_useless_answer():
-    """Robots are granted further edges up to the last edge that the question counts as released."""
+    """The question treats some edges as released that are not granted yet. While the planner
+    works, robots are granted further edges up to the last of these edges.
+    """
     fleet = Traffic(11)
     fleet.drive(10.0)
     executor, granted, waited = fleet.supervisor.plan_executor, 0, 0

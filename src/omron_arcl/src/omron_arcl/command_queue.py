@@ -111,8 +111,9 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution, line: str) -> None:
-        """Notes that the robot obeys a drive according to a line or status, and ends the motions
-        before this drive.
+        """Notes that the robot obeys a drive, and ends the motions before this drive.
+
+        line -- the line or status that shows that the robot obeys it
         """
         if not self.records.has_begun(execution):
             self.records.acknowledged(execution, line)

@@ -1034,7 +1034,7 @@ class Drives:
             self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
-        """Notes that the robot carries out a drive according to a line.
+        """Notes that the robot carries out a drive; `line` is the line or status that shows this.
 
         The older records are dropped. From now on the giver of this drive drives the robot.
         """

@@ -111,9 +111,9 @@ class Witness(DelayedDrive):
         self._foreign: Set[int] = set()
         # the epoch in the bridge's reports when the bridge was told of an epoch of others
         self._overruled_in = 0
-        # the last word when a stop was sent: for each stop on its way, and the newest that arrived
+        # for each stop on its way, the last word when the stop was sent
         self._stops_sent: List[Word] = []
-        self._stopped = NO_WORD
+        self._stopped = NO_WORD  # the same for the newest stop that arrived
         # words of other clients, before a stop that has not reached the robot yet
         self._before_stops: List[Word] = []
         self.broken: List[str] = []
@@ -133,7 +133,8 @@ class Witness(DelayedDrive):
         self._mixed_up_at = -100.0
         self._stalls = 0.0  # time in s for which the link stalls after the robot's next line
         self._dialect = dialect
-        self.is_alone = True  # no other client or person at the robot has acted, no outage was
+        # True until another client or a person acts, the controller restarts or its link is cut
+        self.is_alone = True
         # since this time a stop is owed and the robot can be reached
         self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
@@ -614,7 +615,8 @@ class Witness(DelayedDrive):
         if line != 'stop':
             self.lines.append(line)
             self._driven_at = self.now
-            # The same command from two clients at the same moment cannot be told apart.
+            # If two clients give the same command at nearly the same time, nothing shows which of
+            # the two commands has taken effect.
             crosses = self._crosses_anothers(line)
             self._mixed_up_at = self.now if crosses else self._mixed_up_at
             self._arrived[line] += 1
@@ -645,7 +647,9 @@ class Witness(DelayedDrive):
             self._given.remove(given)
         if self.robot.goal is None or any(
                 self._crosses_anothers(command) for command in self._another_gave):
-            self._obeyed = None  # crossing drives to the same goal cannot be told apart
+            # If two clients send drives to one goal at nearly the same time, nothing shows which of
+            # the two drives the robot obeys.
+            self._obeyed = None
         elif given is not None and line.split()[-1] == self.robot.goal:
             self._obeyed = given
 

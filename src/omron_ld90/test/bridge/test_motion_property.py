@@ -56,7 +56,7 @@ class Robots(RuleBasedStateMachine):
         self.known = dict.fromkeys(PROGRAMS, self.world._controller.motion.memory.epoch)
         self.starts = dict.fromkeys(PROGRAMS, 1)
         self.route_id = 6
-        self.last: List[Tuple[Giver, str, int]] = []  # commands of programs that may arrive again
+        self.last: List[Tuple[Giver, str, int]] = []  # commands of programs; each may arrive again
 
     # --- events -----------------------------------------------------------------------------------
 
@@ -217,7 +217,8 @@ class Robots(RuleBasedStateMachine):
         self.world.run(0.3)
         self.reads(program)
         self.give(program, f'goto {goal}', 0.0)
-        self.world.run(3.0)  # crossing commands could not be told apart
+        # A command that comes sooner could not be told apart from these commands.
+        self.world.run(3.0)
 
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
     @rule(link=st.sampled_from(list(p.RobotLink)))

@@ -40,7 +40,11 @@ class MapContent:
 
 
 def read_content(data: bytes, name: str) -> MapContent:
-    """Returns the contents of the file `name` with the bytes `data`; raises MapError."""
+    """Parses a map file. Returns its contents; raises MapError.
+
+    data -- the bytes of the file
+    name -- the name of the file, for errors
+    """
     binary = data.find(b'\0')
     if binary >= 0:
         raise MapError(name, 'a zero byte: this is not text', data.count(b'\n', 0, binary) + 1,

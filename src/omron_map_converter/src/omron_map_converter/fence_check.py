@@ -22,7 +22,7 @@ from omron_map_converter.goals import millimetres
 from trajectory_graph import Graph
 
 ALLOWANCE = 50.0
-INTRUSION = 5.0  # depth to which a fence may stand in a corridor
+INTRUSION = 5.0  # a fence may reach into a corridor by this length
 POINT_PITCH = 60.0  # obstacle points nearer to each other than this count as one
 ARC = 16  # segments of a quarter circle; circles drawn with them are smaller than true ones
 SHORTEST_GATE = 1.0  # a shorter gate results from rounding
@@ -36,7 +36,7 @@ class FenceCheck:
     leaks: Tuple[Tuple[float, float], ...]
     """The leaks: x, y of the middle of each gap."""
     lost_area: float
-    """Area (mm2) of the floor that fences cover, without a strip of INTRUSION along its edge."""
+    """Area (mm2) of the floor that fences cover; see the function `lost_area`."""
 
     @property
     def passed(self) -> bool:
@@ -60,9 +60,10 @@ def shape_of(fence: MapObject) -> BaseGeometry:
 
 
 def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
-    """Returns how much of the floor (mm2) `shapes` cover, without a strip of INTRUSION at its edge.
+    """Returns the area (mm2) of the floor that `shapes` cover.
 
-    A line counts as 1 mm wide.
+    A strip along the edge of the floor does not count: it is INTRUSION mm wide. A shape that is a
+    line counts as 1 mm wide.
     """
     inner = floor.buffer(-INTRUSION)
     near = prep(inner)

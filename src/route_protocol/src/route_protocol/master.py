@@ -121,7 +121,9 @@ class Order(NamedTuple):
 
 @dataclass(frozen=True)
 class MasterState:
-    """The state of the master's end for one vehicle; the docstring of the module explains it.
+    """The state of the master's end of the protocol for one vehicle.
+
+    The docstring of the module explains it.
 
     Values that are derived from the state are computed once, because masters read them many times
     for each report.
@@ -384,7 +386,8 @@ def _check(state: MasterState, said: RouteReport, read: _Reading) -> None:
         return
     order, shown = read.order, read.shown
     if order and said.done > _LAST_EDGE:
-        raise WrongReport(f'its route record is at number {said.done}: no route could follow')
+        raise WrongReport(f'its route record is at number {said.done}: too few numbers are left '
+                          'for another route')
     if read.is_new:
         return
     if order < state.order:

@@ -97,7 +97,7 @@ def milliseconds() -> int:
 
 @dataclass(frozen=True)
 class VehicleState:
-    """The state of the vehicle's end; the docstring of the module explains it.
+    """The state of the vehicle's end of the protocol; the docstring of the module explains it.
 
     It is one value, so that it is stored as a whole.
     """
@@ -163,10 +163,10 @@ _IGNORED, _STOP = Judgement(Answer.IGNORED), Judgement(Answer.STOP)
 
 
 class Vehicle:
-    """The vehicle's end; see the docstring of the module.
+    """The vehicle's end of the route protocol; the docstring of the module explains it.
 
-    draw  -- returns a number for a new epoch that was never used before
-    clock -- returns ms since 1970; the number of a report is never smaller
+    draw  -- returns the number of a new epoch; this number was never used before
+    clock -- returns ms since 1970; the number of a report is never below this time
     state -- the state from before a restart; None: the vehicle starts without its memory
     """
 

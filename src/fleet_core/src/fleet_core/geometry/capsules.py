@@ -34,7 +34,10 @@ def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.
 
 def _within_disc(offset: np.ndarray, path: np.ndarray,
                  radius: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the two times between which |offset + t path| < radius; equal: never."""
+    """Returns the two times between which a moving point is within `radius` of the origin.
+
+    At time t the point is at offset + t * path. If the two times are equal, it is never so near.
+    """
     square = path[0] * path[0] + path[1] * path[1]
     half = offset[0] * path[0] + offset[1] * path[1]
     rest = offset[0] * offset[0] + offset[1] * offset[1] - radius * radius
@@ -50,8 +53,9 @@ def _within_disc(offset: np.ndarray, path: np.ndarray,
 
 def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
                       width: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the times at which offset + t path is in a rectangle.
+    """Returns the two times between which a moving point is in a rectangle.
 
+    At time t the point is at offset + t * path.
     The rectangle reaches from 0 along the whole `axis`, and by `width` to either side of the axis.
     """
     length = np.hypot(axis[0], axis[1])
@@ -73,7 +77,10 @@ def _across(vectors: np.ndarray, unit: np.ndarray) -> np.ndarray:
 
 def _within(at: np.ndarray, step: np.ndarray, least: np.ndarray,
             most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns when at + t step lies strictly between `least` and `most`; (inf, -inf): never."""
+    """Returns the two times between which a moving coordinate is between `least` and `most`.
+
+    At time t the coordinate is at + t * step. (inf, -inf): it is never strictly between them.
+    """
     still = step == 0.0
     safe = np.where(still, 1.0, step)
     with np.errstate(over='ignore'):  # a step near 0 overflows to infinity, which is right

@@ -31,7 +31,7 @@ class OutOfTime(Exception):
 class Approach(NamedTuple):
     """The places that only one robot may use while it docks or leaves a dock."""
 
-    edges: Dict[int, Tuple[float, float]]  # by place: the part of it in the approach, as fractions
+    edges: Dict[int, Tuple[float, float]]  # for each place, its part in the approach: fractions
     vertices: FrozenSet[int]               # not the dock: a docked robot blocks no approach
 
 
@@ -120,11 +120,13 @@ class Exclusions:
 
     def near(self, line: Sequence[Tuple[float, float]],
              distance: float) -> Dict[int, Tuple[float, float]]:
-        """Returns the places that are nearer than `distance` (m) to a line through these points
-        (m), or to a single point.
+        """Returns the places (vertices and edges) that are nearer than `distance` (m) to a line.
 
-        For each place it returns the part that is too near: two fractions, in the direction of the
-        edge.
+        line -- the points of the line, m; one point is enough
+
+        Each place has two fractions. For an edge they are the start and the end of the part that is
+        too near, counted from the origin of the edge. If there are several such parts, they are the
+        start of the first one and the end of the last one. For a vertex both are 0.
         """
         pieces = self._pieces
         found: Dict[int, Tuple[float, float]] = {}
@@ -144,10 +146,11 @@ class Exclusions:
 
     def kept_free(self, line: Sequence[Tuple[float, float]], distance: float,
                   own: float) -> Dict[int, Tuple[float, float]]:
-        """Returns the places that `near` returns for a robot on this line. If the robot is in a
-        group of `alone`, also returns all places of that group.
+        """Returns the places that `near` returns for a robot on this line.
 
-        own -- m: the robot is at each place that is nearer to the line than this
+        If the robot is at a place of a group in `alone`, also returns all places of that group.
+
+        own -- m; the robot counts as being at each place that is nearer to the line than this
         """
         found = self.near(line, distance)
         if self._alone:
@@ -321,7 +324,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns distances (m) between `points` (2,N) at indices `one` and `others` at `other`."""
+    """Returns the distance (m) of each pair: points[:, one[k]] and others[:, other[k]]."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there

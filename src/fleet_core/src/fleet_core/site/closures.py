@@ -16,7 +16,7 @@ from file_replacement import replace_file
 from fleet_core.files.errors import FileError
 
 _AHEAD = 1_000_000_000  # ns by which the clock of a sender may be ahead of this computer's
-_REMEMBERED = 1000      # the last operations, which are recognised if their message comes again
+_REMEMBERED = 1000      # number of last operations that are recognised if their messages come again
 
 
 class EdgeAction(IntEnum):
@@ -100,7 +100,7 @@ class Closures:
         Raises OutOfDate for a list that is older than the last change.
         """
         said = now if stamp == 0 or stamp > now + _AHEAD else stamp
-        was_set_back = self.stamp > now + _AHEAD  # the clock, after the last change
+        was_set_back = self.stamp > now + _AHEAD  # the clock was set back after the last change
         if stamp and said <= self.stamp and not was_set_back:
             raise OutOfDate(self.stamp)
         wanted = frozenset(map(abs, edges))

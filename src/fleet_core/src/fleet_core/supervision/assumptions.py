@@ -150,7 +150,7 @@ def _role_of(robot: ManagedRobot, errand: Errand) -> PlanRole:
 
 def _places_of(robot: ManagedRobot,
                role: PlanRole) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:
-    """Returns the vertices, edges and areas where an obstacle may be; for other roles none."""
+    """Returns the vertices, edges and areas where a robot may be; none if it is no obstacle."""
     return _places(robot.master.allocation) if role is PlanRole.OBSTACLE else _NOWHERE
 
 

@@ -27,8 +27,8 @@ _MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as 
 class Question:
     """A question to the planner, and the assumptions of the answer.
 
-    ends -- by robot, the number in its record after the last edge that the question counts as
-            released; grants of edges before this number do not make the answer useless
+    ends -- by robot, the record number after the last edge that the question treats as released;
+            grants of edges before this number do not make the answer useless
     """
 
     tasks: Tuple[Task, ...]

@@ -28,8 +28,8 @@ class StoredDevices:
 class Periods(NamedTuple):
     """Times (s).
 
-    exchange -- from the beginning of an exchange with a device to the beginning of the next one
-    report   -- from a report of a device that does not change to the next report
+    exchange -- between the beginnings of two exchanges with one device
+    report   -- between two reports of one device, if the device does not change
     """
 
     exchange: float

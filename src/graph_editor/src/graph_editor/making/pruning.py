@@ -15,11 +15,11 @@ from graph_editor.making.coverage import Coverage
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-LEAST_FLOOR = 1.0  # m2; a dead end stays if no other lane serves this much floor
-LEAST_IN_CORNER = 6.0  # m2; LEAST_FLOOR of a dead end into a corner, where bays are better
+LEAST_FLOOR = 1.0  # m2; a dead end stays if it alone serves this much floor
+LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner: bays are better there
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
-WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if no other lane serves this much floor
-NARROW_IS_WORSE = 3.0  # a lane whose corridor does not fit must be this many times as useful
+WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if it alone serves this much floor
+NARROW_IS_WORSE = 3.0  # where no corridor fits, a lane must be this many times as useful to stay
 MERGING = 1.0  # m; junctions within this distance become one if there is little space
 DOOR = 0.3  # m; if a path becomes wider again by this much, it has passed a kind of door
 AHEAD = 1.5  # m; this part of each chain must be visible from the merged junction

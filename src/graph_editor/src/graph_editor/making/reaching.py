@@ -22,7 +22,7 @@ from graph_editor.making.tidying import LEAST_FLOOR
 
 STEP = 0.25  # m between the places at which lanes may begin, bend and end
 ENOUGH = 0.9  # a path is shortened to a part that serves this share of the path's floor
-MIDDLE = 2.0  # m of path worth as much as one metre of clearance when the far end is chosen
+MIDDLE = 2.0  # m of path; 1 m of clearance at the end of a path counts as much
 
 Cell = Tuple[int, int]
 

@@ -17,7 +17,7 @@ from graph_editor.making.sight import in_sight
 CLOSE = 0.6  # m; nodes within this distance are merged
 TOUCHING = 0.35  # m; a lane that passes a node within this distance is led through the node
 STRAIGHT = math.radians(6.0)  # if the turn at a node is smaller, the node is unnecessary
-LEAST_FLOOR = 1.5  # m2; a dead end stays if no other lane serves this much floor
+LEAST_FLOOR = 1.5  # m2; a dead end stays if it alone serves this much floor
 
 
 def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None:

@@ -20,7 +20,7 @@ from trajectory_graph.messages import graph_from_message
 
 
 class PlaceNames:
-    """The names of places. The first name that needs the graph or the stations requests them.
+    """The names of places. The graph and the stations are requested when a name first needs them.
 
     The id of a vertex needs neither, because the fleet manager checks whether the vertex exists.
     """

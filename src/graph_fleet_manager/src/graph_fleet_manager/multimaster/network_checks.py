@@ -27,8 +27,8 @@ from graph_fleet_manager.multimaster.peer_master import (
     NoAnswer,
 )
 
-_CALL_BACK = 3.0     # s in which a master must call back
-_ASKED = 5           # at most so many nodes of the other side are tested with a connection
+_CALL_BACK = 3.0     # s within which a master must call back
+_ASKED = 5           # the most nodes of the other side to which a test connection is made
 
 
 class NetworkChecks:
@@ -237,10 +237,11 @@ def is_own_address(address: str) -> bool:
 
 
 def calls_back(master: MasterApi, address: str) -> bool:
-    """Returns whether a master reaches a server here at `address`, as when it reports publishers.
+    """Returns whether a master can call a server on this computer at `address`.
 
-    For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
-    NoAnswer, and OSError if no server can listen at the address.
+    The function registers a subscriber and then a publisher of a new topic. So the master must call
+    this server, to report the publisher to the subscriber. Afterwards the function removes both.
+    Raises NoAnswer, and OSError if no server can listen at the address.
     """
     called = threading.Event()
 

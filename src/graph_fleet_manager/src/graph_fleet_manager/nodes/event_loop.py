@@ -29,10 +29,11 @@ from fleet_core.supervision.missions import CommandKind, MissionChange, Request,
 from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
-STALL = 1.0       # s between two looks at the clock; if more pass, the process was halted
-RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
-BATCH = 100       # requests in one commit at most; an urgent event waits for one commit
-_WAITING = 10000  # events that may wait, and requests that may wait; then callbacks block
+STALL = 1.0       # s; if more time passes between two looks at the clock, the process was halted
+RECOVERY = 0.25   # s after a halt in which callbacks take the reports that came during the halt
+BATCH = 100       # the most requests in one commit; a stop may have to wait for one commit
+# So many commands and reports may wait, and as many requests. If more come, callbacks block.
+_WAITING = 10000
 _TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]

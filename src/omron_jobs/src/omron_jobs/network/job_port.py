@@ -60,7 +60,10 @@ class JobPort:
         return int(self._listening.sockets[0].getsockname()[1])
 
     def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
-        """Returns the protocol for a connection that this server opens. Its end sets `ended`."""
+        """Returns the protocol for a connection that this server opens.
+
+        When the connection ends, the protocol sets `ended`.
+        """
         return DialledClient(self, ended)
 
     def flush(self) -> None:

@@ -87,6 +87,7 @@ def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) ->
     ahead = {vertex: length - arc for vertex, length in zip(vertices, lengths)}
     end = ahead.pop(vertices[-1])
     around = distances(graph, vertices[-1], end + margin, {abs(edge) for edge in edges})
-    # The first vertex is behind the robot: to turn off there, it must drive back. Therefore abs.
+    # The first vertex is behind the robot, so its position is negative. A detour that begins there
+    # includes the drive back to it: abs() makes this distance count.
     return any(around.get(vertex, math.inf) + abs(position) <= end + margin
                for vertex, position in ahead.items())

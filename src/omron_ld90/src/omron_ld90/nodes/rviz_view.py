@@ -180,7 +180,8 @@ def fitted_copy(map_file: str, path: str, size: PixelSize) -> str:
               file=sys.stderr)
         return path
     except MapError as error:
-        print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
+        print(f'RViz opens with the view of {path}, because the map cannot be used: {error}',
+              file=sys.stderr)
         return path
     if fitted is None:
         return path

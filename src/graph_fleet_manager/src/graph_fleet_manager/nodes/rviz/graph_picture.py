@@ -31,7 +31,7 @@ NAME_HEIGHT, NAME_AWAY = 0.32, 0.52  # m; NAME_AWAY is beyond the ring of a stat
 CLOSED_HEIGHT, CLOSED_AWAY = 0.32, 0.25  # m
 EDGE_BOX, EDGE_STEP = 0.3, 0.4  # m, size and distance of the boxes that stand for an edge
 CLOSED_WORD = 'closed'
-SEEN = 2.0  # m of the view around the graph; the buttons are further away
+SEEN = 2.0  # m; texts may stand in this margin around the graph. The buttons stand outside it
 _Z = 0.02
 
 
