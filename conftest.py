@@ -1,10 +1,10 @@
-"""Settings for all unit tests: the number of examples of hypothesis, proofs, and a small disk.
+"""Settings for all unit tests: examples of hypothesis, proofs, and a small disk.
 
 No example has a deadline, because a loaded machine is no defect. By default each run tries the same
 examples, so that a result depends only on the change. With LD90_LONG_TESTS=1 (scripts/test.sh
---long) there are more, and others in each run. HYPOTHESIS_PROFILE=compatibility is for a second
-Python version, under which the tests only look for code that does not work there at all. It uses
-the smallest number with which every property still finds an example.
+--long) each run tries more examples, and new ones. HYPOTHESIS_PROFILE=compatibility is for a second
+Python version, under which the tests only look for code that does not work there at all. This
+profile tries the smallest number of examples with which every property still finds an example.
 """
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ collect_ignore = ['src/multimaster_fkie']
 def pytest_configure() -> None:
     """Keeps the garbage collector out of `ast.parse` under Python 3.11.
 
-    Before 3.11.8 it may let another thread parse meanwhile, for example a line of a traceback. Then
-    the first one raises SystemError (gh-106905 of CPython).
+    Before 3.11.8, another thread may parse while the collector runs, for example a line of a
+    traceback. Then the interrupted `ast.parse` raises SystemError (gh-106905 of CPython).
     """
     if sys.version_info[:2] != (3, 11):
         return
@@ -66,11 +66,11 @@ def pytest_configure() -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown() -> None:
-    """Fails a test that leaves work behind: what a node does repeatedly, or a server whose socket
-    was closed before its loop had ended. (Such a loop never waits.)
+    """Fails a test that leaves work behind: a periodic task of a node, or a server whose socket was
+    closed before its loop had ended. (Such a loop never waits.)
 
-    This work goes on beside all later tests of this process: it takes their time, and its warnings
-    fill their memory.
+    This work would run during all later tests of this process, take their time, and fill their
+    memory with warnings.
     """
     owners = [getattr(getattr(thread, '_target', None), '__self__', None)
               for thread in threading.enumerate()]
@@ -79,7 +79,7 @@ def pytest_runtest_teardown() -> None:
     for owner in left:
         owner.shutdown()
     deadline = time.monotonic() + 5.0
-    while _closed_servers() and time.monotonic() < deadline:  # its thread may be about to end
+    while _closed_servers() and time.monotonic() < deadline:  # a thread may be about to end
         time.sleep(0.01)
     servers = _closed_servers()
     for server in servers:
@@ -89,7 +89,7 @@ def pytest_runtest_teardown() -> None:
 
 
 def _closed_servers() -> List[BaseServer]:
-    """Returns the servers of which a thread runs the loop, and whose socket is closed."""
+    """Returns the servers whose loop still runs in a thread although their socket is closed."""
     found = []
     for frame in sys._current_frames().values():
         caller: Optional[FrameType] = frame

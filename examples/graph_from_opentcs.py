@@ -23,10 +23,10 @@ import yaml
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex, save_graph
 
 Position = Tuple[float, float]
-SECTIONS = 4  # straight edges in the place of a Bézier curve
+SECTIONS = 4  # number of straight edges that replace a Bézier curve
 CLEARANCE = 0.1  # m between any two robots
-DEVICE_TIME = 20  # s that a device may take
-CHARGE = 'charge'  # part of the name of an operation that charges
+DEVICE_TIME = 20  # timeout of a device, s
+CHARGE = 'charge'  # an operation whose name contains this word charges
 
 
 class NoPlantModel(Exception):
@@ -35,7 +35,7 @@ class NoPlantModel(Exception):
 
 @dataclass(frozen=True)
 class Site:
-    """What the files of this workspace say of the plant."""
+    """The plant in the form of this workspace's files, and the tasks that are left to a person."""
 
     graph: Graph
     work: Dict[str, List[object]]
@@ -44,7 +44,7 @@ class Site:
 
 
 def metres(element: ElementTree.Element, key: str) -> float:
-    """Returns a length of the model, in mm there, in m."""
+    """Returns a length in m. The model has it in mm."""
     return float(element.get(key, '0')) / 1000.0
 
 
@@ -55,9 +55,9 @@ def ros_name(name: str) -> str:
 
 def drawn_through(path: ElementTree.Element, ends: Tuple[Position, Position],
                   scale: Position) -> List[Position]:
-    """Returns the places between the ends through which the path is drawn.
+    """Returns the places through which the path is drawn, without its ends.
 
-    The layout has pixels with y downwards; `scale` is mm for each of them.
+    The layout has pixels, with y downwards. `scale` is the size of a pixel, in mm.
     """
     layout = path.find('pathLayout')
     if layout is None or layout.get('connectionType') in ('DIRECT', 'ELBOW', 'SLANTED'):
@@ -72,9 +72,9 @@ def drawn_through(path: ElementTree.Element, ends: Tuple[Position, Position],
 
 
 def on_curve(corners: Tuple[Position, ...], t: float) -> Position:
-    """Returns the place at t, 0 to 1, on a cubic Bézier curve, to a micrometre.
+    """Returns the place at parameter t (0 to 1) on a cubic Bézier curve, rounded to a micrometre.
 
-    So the same curve in the opposite direction has the same places.
+    The rounding gives the same places if the curve is driven in the opposite direction.
     """
     weights = [math.comb(3, i) * (1.0 - t) ** (3 - i) * t ** i for i in range(4)]
     return (round(sum(w * x for w, (x, _) in zip(weights, corners)), 6),
@@ -89,7 +89,7 @@ class Converter:
         self._vertices: Dict[str, Vertex] = {}
         self._edges: List[Edge] = []
         self._courses: Dict[Tuple[Position, ...], List[int]] = {}  # ids of the edges of each path
-        self._devices: Dict[str, Set[int]] = {}  # ids of the edges that lead through each
+        self._devices: Dict[str, Set[int]] = {}  # ids of the edges through each device
         self._to_do: List[str] = []
 
     def convert(self) -> Site:

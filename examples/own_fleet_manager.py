@@ -43,13 +43,13 @@ class OneRobot:
         self._give()
 
     def stop(self) -> None:
-        """Stops the robot. From then on it counts the orders of this program."""
+        """Stops the robot. After that, its reports show the order numbers of this program."""
         self.halt()
         while not self._shows_order() or self.report.motion != ExecutionRouteStates.STANDING:
             self._follow()
 
     def drive(self, edges: List[int]) -> None:
-        """Drives a robot that stands over these edges. Raises NotDone."""
+        """Drives the robot along these edges. The robot must stand before. Raises NotDone."""
         done = sum(edge.state == EdgeState.COMPLETE for edge in self.report.edge_states)
         self._give(edges=edges, known_epoch=self.report.epoch, first=self.report.first + done)
         told = 0
@@ -77,7 +77,7 @@ class OneRobot:
         self._sent = time.monotonic()
 
     def _shows_order(self) -> bool:
-        """Whether the robot has taken the order."""
+        """Returns whether the last report shows that the robot has taken the order."""
         return self.report.master == MASTER and self.report.order == self._order.order
 
     def _follow(self) -> None:

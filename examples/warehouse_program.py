@@ -23,7 +23,7 @@ def main(password_file, pickup, dropoff, job, host='127.0.0.1', port='7171'):
             connection.sendall(line.encode() + b'\r\n')
 
         def words_until(end):
-            """The words of each line, until one that begins with `end`."""
+            """Yields the words of each line, until a line begins with the word `end`."""
             for line in lines:
                 words = line.split()
                 if words and words[0] == end:

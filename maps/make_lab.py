@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Makes the example laboratory: `lab_base.map` and `lab_graph.yaml`, beside this script.
 
-The laboratory is 30 x 18 m: a corridor from west to east, three rooms on each side of it, doors of
-1.6 or 2 m. Everything that a laser would see stands in `walls()` and `furniture()`; the graph
-stands in `VERTICES` and `EDGES`. `lab.map` is what `omron_ros_map` makes of the two files.
+The laboratory is 30 x 18 m: a corridor from west to east, three rooms on each side of it, and
+doors 1.6 or 2 m wide. `walls()` and `furniture()` have everything that a laser would see;
+`VERTICES` and `EDGES` are the graph. `omron_ros_map` makes `lab.map` from the two files.
 
 Usage: make_lab.py [FOLDER]      (only the standard library is needed)
 """
@@ -21,7 +21,7 @@ Box = Tuple[int, int, int, int]  # x1, y1, x2, y2 with x1 < x2 and y1 < y2
 PITCH = 20  # mm between scan points
 ROOM: Box = (-15000, -9000, 15000, 9000)  # inner faces of the outer walls
 WALL = 120  # mm, thickness of the inner walls
-CORRIDOR = 1260  # mm, from its middle (y = 0) to the middle of its walls
+CORRIDOR = 1260  # mm, from the middle of the corridor (y = 0) to the middle of its walls
 
 # -- the graph ------------------------------------------------------------------------------------
 
@@ -69,7 +69,7 @@ EDGES = [  # origin, destination, curve, ParamF and ParamB in m, velocity in m/s
 
 
 def walls() -> List[Box]:
-    """The walls as boxes; where two meet, the end of one lies inside the other."""
+    """Returns the walls as boxes. Where two walls meet, the end of one lies inside the other."""
     x1, y1, x2, y2 = ROOM
     return [
         # outer walls
@@ -90,7 +90,7 @@ def walls() -> List[Box]:
 
 
 def pierced(start: int, end: int, middle: int, doors: Sequence[Tuple[int, int]]) -> List[Box]:
-    """A wall along x with its doors (middle, width) left out."""
+    """Returns the boxes of a wall along x. The doors (middle, width) are gaps between them."""
     boxes = []
     for door, width in sorted(doors):
         boxes.append((start, middle - WALL // 2, door - width // 2, middle + WALL // 2))
@@ -100,12 +100,12 @@ def pierced(start: int, end: int, middle: int, doors: Sequence[Tuple[int, int]])
 
 
 def upright(boxes: Iterable[Box]) -> List[Box]:
-    """The same walls along y."""
+    """Returns the boxes with x and y swapped: walls along x become walls along y."""
     return [(y1, x1, y2, x2) for x1, y1, x2, y2 in boxes]
 
 
 def furniture() -> Iterator[Segment]:
-    """Outlines of all that stands in the rooms."""
+    """Yields the outlines of all objects that stand in the rooms."""
     boxes = [
         # electronics: benches at the walls, two islands, a bench in front of vertex 18
         (-14600, 8240, -7000, 9000), (-15000, 2600, -14400, 7400), (-10900, 1960, -9100, 3100),
@@ -137,18 +137,18 @@ def furniture() -> Iterator[Segment]:
 
 
 def square(x: int, y: int, size: int) -> Box:
-    """A box by its centre."""
+    """Returns a square box around this centre."""
     return (x - size // 2, y - size // 2, x + size // 2, y + size // 2)
 
 
 def polygon(corners: Sequence[Point]) -> Iterator[Segment]:
-    """The closed outline through these corners."""
+    """Yields the sides of the polygon with these corners."""
     for (x1, y1), (x2, y2) in zip(corners, [*corners[1:], corners[0]]):
         yield (x1, y1, x2, y2)
 
 
 def turned(x: int, y: int, width: int, height: int, degrees: float) -> Iterator[Segment]:
-    """The outline of a box by centre and size, turned about its centre."""
+    """Returns the outline of a box with this centre and size, turned about its centre."""
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     half = [(-width / 2, -height / 2), (width / 2, -height / 2),
             (width / 2, height / 2), (-width / 2, height / 2)]
@@ -156,14 +156,14 @@ def turned(x: int, y: int, width: int, height: int, degrees: float) -> Iterator[
 
 
 def round_table(x: int, y: int, radius: int, corners: int = 24) -> Iterator[Segment]:
-    """A circle as a polygon."""
+    """Returns the outline of a round table, as a polygon."""
     angles = [2 * math.pi * (i + 0.5) / corners for i in range(corners)]
     return polygon([(round(x + radius * math.cos(a)), round(y + radius * math.sin(a)))
                     for a in angles])
 
 
 def outlines(boxes: Sequence[Box]) -> Iterator[Segment]:
-    """The visible faces of walls: sides of boxes as far as they lie in no other box, in ROOM."""
+    """Yields the visible faces of walls: the parts of their sides in ROOM and in no other box."""
     x_min, y_min, x_max, y_max = ROOM
     for box in boxes:
         x1, y1, x2, y2 = box
@@ -180,7 +180,7 @@ def outlines(boxes: Sequence[Box]) -> Iterator[Segment]:
 
 
 def remaining(start: int, end: int, hidden: Iterable[Tuple[int, int]]) -> Iterator[Tuple[int, int]]:
-    """What is left of the interval start..end without the hidden ones."""
+    """Yields the parts of the interval start..end that no hidden interval covers."""
     for left, right in sorted(hidden):
         if left > start:
             yield from [(start, min(left, end))] if start < min(left, end) else []
@@ -190,7 +190,10 @@ def remaining(start: int, end: int, hidden: Iterable[Tuple[int, int]]) -> Iterat
 
 
 def scan_points(segments: Iterable[Segment]) -> List[Point]:
-    """The points a laser leaves on these segments: on the pitch, unique, sorted by x, then y."""
+    """Returns the points that a laser sees on these segments, sorted by x, then y.
+
+    The points lie on a grid of PITCH. No point occurs twice.
+    """
     points: Set[Point] = set()
     for x1, y1, x2, y2 in segments:
         steps = max(1, math.ceil(math.hypot(x2 - x1, y2 - y1) / (PITCH / 2)))
@@ -212,9 +215,10 @@ MapInfo: SectorType Name=ResistedSector "Label=Resisted sector" "Desc=Avoided wh
 
 def forbidden_area(x: float, y: float, width: float, height: float, degrees: float,
                    name: str) -> Tuple:
-    """A ForbiddenArea by centre and size (mm), with its key of the file's order.
+    """Returns the line of a ForbiddenArea, after the stored x and y by which objects are sorted.
 
-    The file stores the corners in a frame turned about the map's origin.
+    x, y, width and height are in mm; x and y are the centre. The file stores the corners in a frame
+    turned about the map's origin.
     """
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     u, v = x * c + y * s, -x * s + y * c
@@ -226,7 +230,7 @@ def forbidden_area(x: float, y: float, width: float, height: float, degrees: flo
 
 
 def objects() -> List[str]:
-    """The map's own objects, in the order of the vendor's tools: by the stored x and y."""
+    """Returns the lines of the objects, sorted by stored x and y, as by the vendor's tools."""
     return [line for _, _, line in sorted([
         forbidden_area(-8300, -2560, 2000, 800, 20, 'Test field'),
         forbidden_area(14200, 0, 1600, 2400, 0, 'Stairs'),
@@ -238,7 +242,7 @@ def objects() -> List[str]:
 
 
 def map_text() -> str:
-    """The whole `.map` file."""
+    """Returns the text of the `.map` file."""
     lines = sorted(set(outlines(walls())) | set(furniture()))
     points = scan_points(lines)
     ends = [end for x1, y1, x2, y2 in lines for end in ((x1, y1), (x2, y2))]
@@ -254,13 +258,13 @@ def map_text() -> str:
 
 
 def low(points: Iterable[Point]) -> Point:
-    """The lower left corner of the points' box."""
+    """Returns the lower left corner of the box around the points."""
     xs, ys = zip(*points)
     return min(xs), min(ys)
 
 
 def high(points: Iterable[Point]) -> Point:
-    """The upper right corner of the points' box."""
+    """Returns the upper right corner of the box around the points."""
     xs, ys = zip(*points)
     return max(xs), max(ys)
 
@@ -269,7 +273,7 @@ def high(points: Iterable[Point]) -> Point:
 
 
 def graph_text() -> str:
-    """The trajectory graph as YAML, in the layout of the fleet manager's editor."""
+    """Returns the trajectory graph as YAML, in the layout of the fleet manager's editor."""
     rows = ['# Trajectory graph of the example laboratory, made by make_lab.py.', 'Edges:']
     for number, (origin, destination, curve, reach, velocity) in enumerate(EDGES, 1):
         rows.append(
@@ -286,7 +290,7 @@ def graph_text() -> str:
 
 
 def label(vertex: int) -> str:
-    """What the place is for: the dock, a station at the end of one edge, or a place to pass."""
+    """Returns the use of a vertex: the dock, a station (with one edge), or a place to pass."""
     if vertex == 16:
         return 'dock'
     edges = sum(vertex in (origin, destination) for origin, destination, *_ in EDGES)
@@ -294,7 +298,7 @@ def label(vertex: int) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write both files into the folder named, or beside this script."""
+    """Writes both files into the given folder, or beside this script."""
     folder = Path(arguments[0]) if arguments else Path(__file__).resolve().parent
     (folder / 'lab_base.map').write_bytes(map_text().encode())
     (folder / 'lab_graph.yaml').write_bytes(graph_text().encode())

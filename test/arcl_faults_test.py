@@ -31,7 +31,7 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
-ENDED = 40.0  # s; roscore waits 15 s for rosout before it kills it
+ENDED = 40.0  # s; roscore waits 15 s for the end of rosout, then kills rosout
 DRIVE = 60.0  # s; the simulated robot's clock is four times as fast as real time
 
 
@@ -171,8 +171,7 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertTrue(handle.get_goal_status_text())
 
     def test_a_node_waits_for_its_master_and_registers_anew_with_one_that_was_restarted(self):
-        """The ROS master is a separate one. The node's own topics stand for all its registrations.
-        """
+        """Starts a ROS master twice, and looks only at two of the node's registrations."""
         port = free_port()
         uri = f'http://127.0.0.1:{port}'
         master = rosgraph.Master('/arcl_faults_test', master_uri=uri)

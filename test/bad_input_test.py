@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""For each wrong input there is one clear message, and all parts that can still work do so."""
+"""Each wrong input causes one clear message; the parts that do not need this input work."""
 from __future__ import annotations
 
 import shutil

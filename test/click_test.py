@@ -232,7 +232,7 @@ class ClickTest(unittest.TestCase):
     def localize_is_answered(self, words: str) -> bool:
         """Tells the robot that it is at the dock. Returns whether an answer has these words."""
         heard = len(self.feedback.messages)
-        for _ in range(2):  # at the first time the node asks whether the robot is there
+        for _ in range(2):  # after the first event, the node only asks whether the robot is there
             self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
         try:
             answer = self.feedback.wait_for(

@@ -243,7 +243,7 @@ class ControllerTest(unittest.TestCase):
             told -- number of earlier refusals: the goal can arrive before /fleet_state
             """
             def is_refused() -> bool:
-                fleet.publish(FleetState(robots=robots))  # repeated, like the fleet manager's
+                fleet.publish(FleetState(robots=robots))  # the fleet manager repeats it, too
                 goals.publish(nowhere)
                 return any(refusal.command == command and words in refusal.reason
                            for refusal in self.refusals.messages[told:])
@@ -296,7 +296,7 @@ class ControllerTest(unittest.TestCase):
             refusal = refusals.wait_for(lambda _: True, 30.0, 'refusal')
             self.assertIn('before this node started', refusal.reason)
             links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
-            commands.publish('goto 20')  # from the same publisher, with the present time
+            commands.publish('goto 20')  # the same publisher; the message is new
             self.wait_for_line('Going to 20', said, SOON)
         commands.unregister()
         self.assertNotIn('Going to 8', [line.data for line in self.responses.messages[said:]])

@@ -52,7 +52,8 @@ PASSWORD = 'Kestrel-31'
 REAL, ABSENT = 'real', 'switched_off'
 STOPPED, LOST, STUCK = 'ld90_1', 'ld90_2', 'ld90_3'
 FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off'),
-          # its start vertex: if it drove around an obstacle there, it might leave its corridor
+          # 32 is its start vertex. An obstacle there would not do: a robot that drives around an
+          # obstacle may leave its corridor.
           STUCK: ('fail 32',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             STUCK: ('mend 32',)}

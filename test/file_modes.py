@@ -78,7 +78,11 @@ def differences(files: Iterable[Found]) -> List[str]:
 
 
 def walk(root: Path, shown: str, names: Dict[int, str]) -> Iterator[Found]:
-    """Yields all files below a folder. `shown` replaces its path; `names`: owners by number."""
+    """Yields all files below the folder `root`.
+
+    shown -- path that replaces the path of the folder
+    names -- names of users and groups, by number
+    """
     for place in sorted(root.rglob('*')):
         status = os.lstat(place)
         if not stat.S_ISSOCK(status.st_mode):

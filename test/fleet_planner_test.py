@@ -168,7 +168,7 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """Returns the message for a new subscriber if the message has these vertices; else None.
+        """Returns the latched message on /parking if it has these vertices, otherwise None.
 
         After an edge is opened, the new message comes a moment later.
         """

@@ -130,7 +130,7 @@ class Viewer:
         self.messages += 1
 
     def namespaces(self) -> Set[str]:
-        """The namespaces of all visible markers."""
+        """Returns the namespaces of all visible markers."""
         return {namespace for namespace, _ in list(self.shown)}
 
 

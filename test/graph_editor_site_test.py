@@ -276,7 +276,7 @@ class Editor:
         return self.graph()
 
     def _red_near(self, x: float, y: float):
-        """Returns a function that names the red mark at a place if a picture lacks the mark."""
+        """Returns a function that checks a picture: it returns a text if no red mark is at x, y."""
         def missing(picture) -> List[str]:
             left, top = self._window.pixel(x, y)
             around = picture.crop((left - 15, top - 15, left + 16, top + 16))

@@ -77,7 +77,7 @@ class JoinedFleet:
         names = dict(zip([LD90, *list(AGVS)[:agvs]], [own, *others]))
         fleet_file = folder / 'fleet.yaml'
         fleet_file.write_text(fleet_text(names, absent=absent))
-        self._ports = [free_port() for _ in range(3)]  # of ARCL, outgoing connection, control
+        self._ports = [free_port() for _ in range(3)]  # for ARCL, outgoing connection, control
         graph = MAPS / 'lab_graph.yaml'
         self.manager = Computer('fleet', manager, [[
             'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={graph}',

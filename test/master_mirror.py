@@ -3,7 +3,7 @@
 
 master_mirror.py OWN_URI PEER_URI CROSSING_FILE
 
-Registers the peer's publishers and subscribers of certain topics at the own master, like fkie's
+Registers the peer's publishers and subscribers of certain topics at this side's master, like fkie's
 master_sync. CROSSING_FILE lists these topics. When the peer's nodes or the peer's master have
 ended, the program withdraws the registrations. There is no discovery: each side gets the address
 that all nodes of the other side use.
@@ -57,7 +57,7 @@ class Mirror:
         self._heard = time.monotonic()
 
     def update(self) -> None:
-        """Adapts the own master to the present registrations of the peer."""
+        """Brings the registrations at this side's master up to date with those of the peer."""
         try:
             there = self._registrations()
             self._heard = time.monotonic()
@@ -70,7 +70,7 @@ class Mirror:
                 self._withdraw(gone)
             for new in there - self._mirrored:
                 self._register(new)
-            # If the own master was restarted, it has lost its registrations.
+            # If this side's master was restarted, it has lost its registrations.
             self._mirrored = there & self._known()
         except _FAILURES:
             self._mirrored = set()

@@ -21,13 +21,14 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # deaths of each side, and of both at once; other breaks cut only the link
+# number of deaths of each side, and of both at once; all other breaks only cut the link
+DEATHS = BREAKS // 12
 MISSION = [18, 39, 52, 6, 16]
 # m by which the length of the same mission can differ, because the robot does not stop exactly at
 # turning points
 METRES = 2.0
 APART = (0.5, 10.0)  # m that the robot drives between two breaks
-AWAY = (0.2, 8.0)     # s without the link
+AWAY = (0.2, 8.0)     # s for which the link is cut
 LATER = (0.0, 2.0)  # s after which a killed computer is started again
 
 

@@ -95,7 +95,7 @@ def transmitted(interface: str = 'eth0') -> int:
 
 
 def entering(namespace: str) -> List[str]:
-    """Returns the words before a command that must run in a namespace; empty without a namespace.
+    """Returns the words that make a command run in the namespace; empty if `namespace` is empty.
     """
     return ['ip', 'netns', 'exec', namespace] if namespace else []
 

@@ -164,7 +164,7 @@ class FleetOnThePage(unittest.TestCase):
         step = MissionStep(type='look', actor=MissionStep.PERSON, timeout=60.0)
         request = mission_request((), robot=FIRST, stops=[MissionStop(vertex=27, steps=[step])])
         mission = request.request_id
-        # the page listens, too, and a message that only the page gets would be lost
+        # the publisher must wait for path_supervisor, because the page also subscribes to the topic
         connected_publisher('/mission_request', MissionRequest, to='path_supervisor').publish(
             request)
         self.wait_at(FIRST, 27)

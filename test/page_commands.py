@@ -28,9 +28,9 @@ HOW_TO = ('from_opentcs', 'from_one_robot')  # how-to pages whose commands need 
 PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')),
          *(ROOT / 'docs' / 'how-to' / f'{name}.md' for name in HOW_TO))
 SHELLS = ('bash', 'sh', 'shell', 'console')
-# s within which the command after a command that goes on must succeed
+# s for which a command that follows a command that goes on is tried again
 START = 180.0
-COMMAND = 300.0  # s, limit for a command
+COMMAND = 300.0  # s, time limit for each try of a command
 END = 60.0  # s after Ctrl-C within which a command must end
 _BLOCK = re.compile(r'(?:^<!-- (?P<note>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$',
                     re.MULTILINE | re.DOTALL)
@@ -151,7 +151,7 @@ class Reader:
 
 
 def alone(page: Path) -> List[str]:
-    """Returns the command that follows a page without a network and without other programs."""
+    """Returns the command that runs this file for a page, in network and process namespaces."""
     mapped = [] if os.geteuid() == 0 else ['--map-root-user']
     return ['unshare', *mapped, '--net', '--pid', '--fork', '--kill-child', '--mount-proc',
             '/usr/bin/python3', str(Path(__file__).resolve()), str(page)]

@@ -22,12 +22,12 @@ from fleet_core.work.devices import HandOverAddress, ModbusAddress
 from ports import free_port
 
 COIL, INPUT, UNIT = 3, 11, 7
-START, KEY, DONE, FAILED = 5, 20, 12, 13  # of the press
+START, KEY, DONE, FAILED = 5, 20, 12, 13  # addresses of the press
 _OFFSET = 1  # pymodbus's contexts number coils and inputs from 1
 
 
 class _Bits(store.ModbusSequentialDataBlock):
-    """Bits that one function returns and another function receives."""
+    """The bits of the server: one function reads a bit, and another function writes it."""
 
     def __init__(self, read: Callable[[int], Any], write: Callable[[int, Any], None]) -> None:
         super().__init__(0, [0])
@@ -45,7 +45,7 @@ class _Bits(store.ModbusSequentialDataBlock):
 
 
 class _Registers(_Bits):
-    """Registers that one function returns and another function receives."""
+    """The registers of the server, read and written in the same way."""
 
     def setValues(self, address: int, values: Any) -> None:  # noqa: N802 pymodbus's name
         for k, value in enumerate(values):

@@ -1,4 +1,4 @@
-"""Proofs run whole if a file that they read has changed since they passed, and with --long.
+"""Runs a proof whole if a file that it reads has changed since it passed, or with --long.
 
 A proof is a file of tests that searches all states of code without I/O, or a great number of random
 sequences. A whole search takes long. So the file chooses the bounds of its searches with
@@ -30,7 +30,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / 'build' / 'proofs.json'
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
-# Tests under a second Python only look for code that does not work under it: they prove nothing.
+# False under a second Python: its tests only look for code that does not work under that version.
 PROVES = os.environ.get('HYPOTHESIS_PROFILE') != 'compatibility'
 
 

@@ -35,7 +35,7 @@ class Survival(unittest.TestCase):
         cls.lab.robot.stop()
 
     def way(self) -> List[int]:
-        """The route through the hall, from the end at which the robot stands to the other end."""
+        """Returns the route through the hall, from the robot's end of the hall to the other end."""
         x = self.lab.status.messages[-1].pose.position.x
         return HALL if x < 0.0 else [-edge for edge in reversed(HALL)]
 
@@ -61,7 +61,7 @@ class Survival(unittest.TestCase):
         pid = process_of(f'/omron_ld90/{node}')
         os.kill(pid, signal.SIGSTOP)
         try:
-            time.sleep(seconds)  # for the length of the suspension, not for a condition
+            time.sleep(seconds)  # the length of the suspension, not a wait for a condition
         finally:
             os.kill(pid, signal.SIGCONT)
 

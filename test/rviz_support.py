@@ -141,7 +141,8 @@ class RvizWindow:
 
         def taken() -> bool:
             # A key is lost if it comes before the window has the keyboard focus. And a slow RViz
-            # may still show the tool from before `i`: if that was the same tool, nothing changes.
+            # may still show the previous tool after `i`. If this is the tool that `key` chooses,
+            # the toolbar does not change.
             self._screen.mouse('key', 'i')
             interact = self._at_rest(TOOLBAR)
             self._screen.mouse('key', key)

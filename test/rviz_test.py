@@ -40,7 +40,7 @@ BODY = (211, 184, 190)  # the deck, seen through the red of the stop handle
 
 
 def orange_near(picture, pixel: tuple) -> int:
-    """Returns the number of pixels at `pixel` in the orange of one area, or of two that overlap."""
+    """Returns the number of orange pixels at `pixel`; where two areas overlap, orange is deeper."""
     return count_near(picture, pixel, ORANGE, 1) + count_near(picture, pixel, DEEP_ORANGE, 1)
 
 
@@ -201,7 +201,7 @@ class RvizTest(RvizTestCase):
         self.robot_says('Stopped')
 
     def localize_at(self, goal: str) -> None:
-        for _ in range(2):  # at the first time the node asks whether the robot is there
+        for _ in range(2):  # after the first choice, the node only asks whether the robot is there
             self.window.choose_from_menu(self.at(goal), GOAL_MENU, HandleAction.LOCALIZE)
 
     def test_05_the_menu_of_a_goal_goes_there_and_tells_the_robot_where_it_is(self):

@@ -25,7 +25,7 @@ from std_msgs.msg import String
 from node_lifecycle import topic_connections
 from omron_ld90_msgs.msg import ExecuteCommandActionGoal, LinkState
 
-topic_connections.mend()  # because a test has as many connections as a node
+topic_connections.mend()  # a test has as many connections as a node, so it needs this, too
 
 
 class Recorder:

@@ -26,7 +26,7 @@ from vda5050_mqtt.own_broker import OwnBroker
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s
 UNHURRIED = 0.5  # m/s
-NEAR = 0.45  # m from a goal; here the robot is slow, and the next goal is sent
+NEAR = 0.45  # distance from a goal, m; here the robot slows down, and gets the next goal
 SLOW = 0.15  # m/s; so there are 3 s for the next goal, even on a computer that is busy
 CRAWL = 0.05  # m/s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
@@ -39,7 +39,7 @@ class Trolley:
     def __init__(self) -> None:
         self.goals: List[Tuple[float, float]] = []
         self.blocked_at = math.inf  # x (m); no goal beyond it is reached
-        self.speed = FAST  # m/s, its speed
+        self.speed = FAST  # m/s, far from a goal
         self.x = 0.0
         self._speed = 0.0
         self._lock = threading.Lock()

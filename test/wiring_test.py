@@ -53,7 +53,8 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'for fleet_devices, which need not run': ('/device_request',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
-#: The services of our nodes, by the end of their names: type, and our program that calls it.
+#: The services of our nodes, by the end of their names. Each has its type, and the file of our
+#: program that calls it; empty: only other software calls it.
 SERVICES: Dict[str, Tuple[str, str]] = {
     'stop_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/commands/stop.py'),
     'resume_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),

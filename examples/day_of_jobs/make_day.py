@@ -13,11 +13,11 @@ from typing import List, NamedTuple, Tuple
 
 RECEIVING, BUFFER, GATES = ('6', '18'), '27', ('39', '52')
 JOBS_PER_HOUR = {6: 20, 7: 35, 8: 45, 9: 40, 10: 30, 11: 45, 12: 15, 13: 35}
-RESTARTS = ((9, 'job_server'), (12, 'fleet_manager'))  # hour, at its beginning
+RESTARTS = ((9, 'job_server'), (12, 'fleet_manager'))  # hour at whose beginning it restarts
 
 
 class Line(NamedTuple):
-    """A line of the day. `at`: s after midnight; `order`: among those of one second."""
+    """A line of the day, at `at` s after midnight. `order` sorts the lines of one second."""
 
     at: int
     order: int

@@ -45,8 +45,8 @@ ROOT = Path(__file__).resolve().parents[2]
 LONGEST_EDGE = 1.5    # m
 MOST = 2              # largest number of destinations of a random mission
 LOOK = 1.0            # s between two observations of the robots
-WARM_UP = 120.0       # s in which the robots spread
-MOVED, TURNED = 0.01, 0.01  # m and rad; more than this in LOOK counts as motion
+WARM_UP = 120.0       # s for the robots to spread over the graph
+MOVED, TURNED = 0.01, 0.01  # m and rad; a larger change within LOOK is motion
 NEVER = RandomStops(0.0, 0.0)
 KINDS = {'ld90': 'LD-90s', 'agv': 'AGVs'}
 
@@ -72,14 +72,14 @@ class Seen(NamedTuple):
 
 
 class Look(NamedTuple):
-    """All robots at one time: s since the moment when all of them were ready for missions."""
+    """All robots at one time. The time is in s, and begins when all robots are ready."""
 
     time: float
     robots: Tuple[Seen, ...]
 
 
 class Success(NamedTuple):
-    """A mission that a robot has ended, and the time of its end (s)."""
+    """The success of a mission: its time (s), and the name of the robot."""
 
     time: float
     name: str
@@ -101,7 +101,7 @@ class RandomFlow(Flow):
 # --- figures of the observations ------------------------------------------------------------------
 
 def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str, float]:
-    """Returns the figures of this many seconds after the warm-up, by name."""
+    """Returns figures by their names, from the observations of `seconds` s after the warm-up."""
     missions: Counter[str] = Counter()
     served: Counter[str] = Counter()   # how often a robot was observed with a mission
     moving: Counter[str] = Counter()   # how often such a robot had moved since the last look
@@ -134,7 +134,7 @@ def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str,
 # --- real time ------------------------------------------------------------------------------------
 
 def watch(master: str, count: int, seen: Any) -> None:
-    """Puts `ready` when this many robots take missions, then puts each observation."""
+    """Puts `ready` into `seen` when `count` robots take missions, then puts each observation."""
     import rosgraph
     import rospy
 
@@ -215,13 +215,13 @@ class ObservedRun(Run):
         self._looked = 0.0
 
     def publishes(self, status: Status) -> None:
-        """Notes that a mission may have ended."""
+        """Notes each mission that has succeeded."""
         if status.state is MissionState.SUCCEEDED:
             self.observed.append(Success(self.world.now, status.robot))
         super().publishes(status)
 
     def stepped(self) -> None:
-        """Observes the fleet at the end of a step of time, if LOOK has passed."""
+        """Observes the fleet after a time step if LOOK has passed since the last observation."""
         super().stepped()
         if self.world.now >= self._looked + LOOK - 1e-6:
             self._looked = self.world.now
@@ -259,7 +259,8 @@ def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float
 
 
 def half_width(values: Sequence[float]) -> float:
-    """Returns half the width of the range that contains a further hour with a probability of 95 %.
+    """Returns half the width of the range that contains the figure of a further run with a
+    probability of 95 %.
     """
     count = len(values)
     return float(students_t.ppf(0.975, count - 1)) * statistics.stdev(values) * math.sqrt(

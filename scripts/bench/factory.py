@@ -56,7 +56,7 @@ class Usage(NamedTuple):
 
 
 def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when `count` robots take missions, and `mission` at each success."""
+    """Puts `ready` into `seen` when `count` robots take missions, and `mission` at each success."""
     import rosgraph
     import rospy
 
@@ -81,7 +81,7 @@ def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
 
 
 def watch_topics(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when a message has arrived on the topic of each of `count` bare nodes."""
+    """Puts `ready` into `seen` when each of `count` bare nodes has sent a message."""
     import rosgraph
     import rospy
     from std_msgs.msg import String

@@ -40,7 +40,7 @@ class Case(NamedTuple):
     name: str
     graph: Graph
     base: bytes  # content of the base map
-    aim: float  # fence objects per edge
+    aim: float  # largest number of fence objects per edge
     runs: int
     dock: Optional[int] = None
     kind: Fences = Fences.AREAS

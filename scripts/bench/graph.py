@@ -46,10 +46,10 @@ LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
 RUNS = 3
 OPTIONS = MakingOptions()
-# m; floor with this clearance is in the middle of rooms and halls of the laboratory, not in doors
+# clearance, m: only the middle of the laboratory's rooms and halls has so much, and no door
 ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
-# m: position of the vertex that is dragged
+# position of the vertex that is dragged, m
 MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)
 DRAGS, RATE = 300, 30.0  # s-1
 SETTLE, MEASURE = 8.0, 6.0  # s
@@ -76,7 +76,7 @@ class Times(NamedTuple):
 
 
 def timed(*command: object) -> Times:
-    """Returns the medians of several runs."""
+    """Returns the median times of several runs of a command."""
     walls, cpus = [], []
     for _ in range(RUNS):
         begun, before = time.perf_counter(), os.times()
@@ -116,8 +116,8 @@ def length(graph: Graph) -> float:
 
 
 def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
-    """Returns the mask of the floor that is connected to the graph and half a robot's width from
-    walls.
+    """Returns the mask of the floor that is connected to the graph and at least half a robot's
+    width away from walls.
     """
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
@@ -199,7 +199,7 @@ class Mouse:
                                             self._on_update, tcp_nodelay=True)
 
     def drag(self, x: float, y: float) -> float:
-        """Returns the time (s) from the feedback to the update."""
+        """Drags the vertex. Returns the time (s) from the feedback to the update of its edges."""
         self._answered.clear()
         begun = time.perf_counter()
         self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -259,8 +259,8 @@ def circle(count: int) -> Iterator[Tuple[float, float]]:
 
 def editing() -> None:
     """Measures the delay of a drag, and RViz's frames per second during drags."""
-    # Python's garbage collector pauses for 60 ms here, and this would count as time of the editor.
-    # RViz has no collector.
+    # Python's garbage collector would stop this process for 60 ms, which would count as time of
+    # the editor. RViz, in whose place this process drags, has no collector.
     gc.freeze()
     with own_ros_master(), tempfile.TemporaryDirectory() as folder:
         map_file, graph_file, vertex = large_site(folder)

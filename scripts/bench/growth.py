@@ -91,7 +91,7 @@ def at_work_costs(count: int, waiting: int) -> float:
 
 
 def vertices() -> Iterator[Row]:
-    """Plans for 20 robots on a growing grid."""
+    """Measures the preparation of the planner, and a plan for 20 robots, on growing grids."""
     sides = (20, 40, 80)
     yield row('vertices of a grid: preparing the planner', [
         Cost(side * side, preparation(grid(side))) for side in sides])
@@ -161,7 +161,7 @@ def reporting(count: int) -> float:
 # -- page ------------------------------------------------------------------------------------------
 
 def clients() -> Iterator[Row]:
-    """Measures the CPU time per second of the page's node and door with clients that read all."""
+    """Measures the CPU use of the page's node and door, with clients that read all data."""
     os.environ.setdefault('ROS_IP', '127.0.0.1')
     with tempfile.TemporaryDirectory() as folder, own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)

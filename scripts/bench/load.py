@@ -39,10 +39,10 @@ from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
 
 OPEN = 5000  # open missions
-SETTLING = 45.0  # s from the first missions to the measurement: nearly all plans are made before
-SECONDS = 60.0  # s of a measurement
+SETTLING = 45.0  # s from the first missions to the measurement; nearly all first plans exist then
+SECONDS = 60.0  # duration of a measurement, s
 DOORS = 50
-FLOOR = 10.0  # s in which the floor is measured
+FLOOR = 10.0  # duration of the measurement of the floor, s
 
 
 class Planning:
@@ -76,7 +76,7 @@ class Planning:
         return any(start <= release.moment and end >= begun for start, end in self._spans)
 
     def share(self, begun: float, ended: float) -> float:
-        """Returns the share of a period in which the planner worked, from requests and answers."""
+        """Returns the share of a period in which the planner worked on a request."""
         return sum(max(min(end, ended) - max(start, begun), 0.0)
                    for start, end in self._spans) / (ended - begun)
 
@@ -137,7 +137,7 @@ def floors(names: Sequence[str]) -> Tuple[str, str]:
 
 
 class Measured(NamedTuple):
-    """The measurements of a fleet in SECONDS; rates are per second."""
+    """The measurements of a fleet during SECONDS; rates are per second."""
 
     shares: Mapping[str, float]
     reports: float
@@ -203,7 +203,10 @@ def measured(count: int, side: int, doors: int = 0) -> Measured:
 
 
 class Load(NamedTuple):
-    """Figures to compare, such as the CPU share of `path_supervisor`; `releases` is in ms."""
+    """Figures to compare fleets, such as the CPU share of `path_supervisor`.
+
+    `releases` has the times from report to release (ms).
+    """
 
     share: float
     reports: float

@@ -2,8 +2,8 @@
 """Measures ten ROS masters that fkie multimaster joins: the masters of nine robots and one manager.
 
 All masters are on loopback addresses of a network namespace, in which bytes are counted. This needs
-root. Each robot is a simulated AGV. The floor of the bytes is one robot on a computer that is not
-joined.
+root. Each robot is a simulated AGV. The floor of the network traffic is one robot whose master is
+not joined.
 """
 from __future__ import annotations
 
@@ -38,8 +38,7 @@ WITHIN = 180.0  # s
 
 
 class Use(NamedTuple):
-    """The use of resources by the joining nodes of some computers: memory in bytes, CPU in cores.
-    """
+    """What the joining nodes of one computer use on average: memory in bytes, CPU in cores."""
 
     memory: float
     cores: float

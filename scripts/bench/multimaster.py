@@ -85,8 +85,8 @@ def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Ite
 
 def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
                  ) -> List[Tuple[float, float, int]]:
-    """Returns for each break of the link: its length (s), the time (s) from its end to the next
-    report, and the number of lost reports.
+    """Breaks the link several times. Returns for each break its length (s), the time (s) from the
+    repair to the next report, and the number of lost reports.
     """
     found = []
     for seconds in AWAY:

@@ -48,8 +48,8 @@ class Case(NamedTuple):
 
 
 def laboratory() -> StudiedSite:
-    """Returns the laboratory map with sections of 1.5 m; nothing is released ahead, and missions go
-    to stations or the dock.
+    """Returns the laboratory map, its edges cut into sections of at most 1.5 m. No edge is released
+    ahead of a robot, and missions go to stations or the dock.
     """
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = tuple(Robot(f'r{k}', AT_EDGE_SPEED, vertex, 'agv')
@@ -89,8 +89,10 @@ def waiting(run: Figures) -> float:
 
 
 def change(values: List[float], of: List[float]) -> str:
-    """Returns a text: the mean difference between `values` and `of`, seed by seed, in % of the mean
-    of `of`, and half the width of its 95 % confidence band.
+    """Returns the change from `of` to `values` as a text, in % of the mean of `of`.
+
+    The text has the mean of the changes of all seeds, and half the width of its 95 % confidence
+    band.
     """
     mean = sum(of) / len(of)
     found: Band = band([100.0 * (value - one) / mean for value, one in zip(values, of)])

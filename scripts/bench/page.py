@@ -192,7 +192,7 @@ def cost(program: subprocess.Popen, seconds: float) -> float:
 
 
 def seen_since(window: Browser, known: Set[str]) -> List[float]:
-    """Returns the times when the page has drawn places that are not in `known`."""
+    """Returns when the page drew each place that is not in `known`."""
     return [at for place, at in window.script('return window.seen').items() if place not in known]
 
 

@@ -1,4 +1,4 @@
-"""Measures RViz in software rendering: its frames per second and CPU, and the CPU of its nodes.
+"""Measures RViz in software rendering: frames per second, and the CPU of RViz and of its nodes.
 
 The floor is RViz with the same window and frame rate, but with all displays off. Mesa's heads-up
 display (GALLIUM_HUD) counts the frames and writes one number per second to a file.

@@ -158,7 +158,7 @@ def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -
 
 
 def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], seconds: float) -> None:
-    """Shows one row, in which the stacks and their host come first."""
+    """Shows one row: the CPU of the stacks with their node host, then that of the other parts."""
     shares = cpu_shares(parts, before, seconds)
     own = shares['stacks'] + shares[HOST]
     others = ', '.join(f'{name} {share:.2f}' for name, share in shares.items()

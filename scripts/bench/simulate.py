@@ -45,7 +45,7 @@ class Case(NamedTuple):
 
 
 def laboratory() -> StudiedSite:
-    """Returns the laboratory map with edges cut at 1.5 m, and LD-90s and AGVs alternately."""
+    """Returns the laboratory map with sections of at most 1.5 m; every second robot is an AGV."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = (Robot('ld90', LD90, 8, 'ld90'), Robot('agv', AGV, 10, 'agv'))
     return site_of(graph, Fleet((LD90, AGV), robots, 0.1), SETTINGS, busy((6, 18, 27, 39, 52)))

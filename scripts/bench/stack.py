@@ -29,7 +29,7 @@ BARE = '''<launch>
 
 
 def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
-    """Puts the time at which the first message on /tf comes."""
+    """Puts into `result` the time at which the first message on /tf arrives."""
     import rosgraph
     import rospy
     from tf2_msgs.msg import TFMessage

@@ -47,12 +47,12 @@ OWN = '127.0.0.1'
 HALF_OPEN = 20_000
 HALF_REQUESTS = {False: b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1',
                  True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the beginning of a TLS handshake
-OPENED_EACH_SECOND = 2000  # half (incomplete) requests that all attackers open together
+OPENED_EACH_SECOND = 2000  # number of half (incomplete) requests, of all attackers together
 IP_BIND_ADDRESS_NO_PORT = 24  # an option of Linux that has no name in the module socket
 ATTACKERS = 2         # processes, because each process may open only a limited number of files
 SEERS = 40
 STOPS = 30
-PERIOD = 0.25         # s between two stops; at a higher rate they are refused
+PERIOD = 0.25         # s between two stops; the page refuses stops at a higher rate
 WITHIN = 200.0        # ms, the aim
 MAP = 10_000          # cells along each side
 BOMB = 30_000_000     # bytes of a body before its compression
@@ -111,7 +111,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
 
     Opens a new connection for each one that the page ends. The rate of new connections is limited.
     """
-    os.nice(10)  # true attackers are other computers, and take no time of these processors
+    os.nice(10)  # real attackers run on other computers, and use no CPU time here
     selector = selectors.EpollSelector()
     waiting, begun, added = deque(range(count)), time.monotonic(), 0
 
@@ -128,7 +128,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
         while waiting and added < due:
             add(waiting.popleft())
             added += 1
-        added = max(added, int(due) - 100)  # catches up with at most 100 half requests
+        added = max(added, int(due) - 100)  # after a delay, at most 100 half requests are due
         for key, events in selector.select(0.005):
             half = key.fileobj
             assert isinstance(half, socket.socket)

@@ -204,7 +204,7 @@ def step() -> Iterator[Row]:
 
 
 def bare_steps() -> List[float]:
-    """Returns the times (ms) from a command to the byte of a bare node."""
+    """Returns the times (ms) from a command to the byte that a bare node sends for it."""
     with socket.create_server(('127.0.0.1', 0)) as server:
         program = Path(__file__).parent / 'supervisor_bench/bare_step.py'
         process = subprocess.Popen([sys.executable, str(program), str(server.getsockname()[1])])
@@ -324,7 +324,7 @@ class Flooding:
 
     def __init__(self, count: int, vertices: Sequence[int]) -> None:
         self._count, self._vertices = count, vertices
-        self._answered: Dict[int, float] = {}  # by id: when its first status came
+        self._answered: Dict[int, float] = {}  # by mission id: when the first status came
         self._cancelled = 0.0
         rospy.Subscriber('/mission_status', MissionStatus, self._hear)
         self._requests, self._commands = (

@@ -98,7 +98,7 @@ def ready(master: BenchMaster) -> None:
 
 
 def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
-    """Returns the floor: times of a message of the same size between two clients."""
+    """Returns the floor: the times (s) that `payload` takes from one client to another."""
     arrived: List[float] = []
     event = threading.Event()
     clients = [make_client(f'bare_{uuid.uuid4().hex[:8]}') for _ in range(2)]
@@ -112,7 +112,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
         client.connect(broker.host, broker.port)
         client.loop_start()
     clients[1].subscribe('bare')
-    time.sleep(0.5)  # paho has no common call to see that a subscription is in force
+    time.sleep(0.5)  # not all paho versions can tell when a subscription is in force
     latencies = []
     for _ in range(CHANGES):
         event.clear()
@@ -128,7 +128,9 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
 
 
 def ros_to_mqtt(master: BenchMaster) -> List[float]:
-    """Returns the times from a field violation in ROS to the state at an MQTT subscriber."""
+    """Returns the times (s) from a change of the field violation in ROS to the state at an MQTT
+    subscriber.
+    """
     publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
     while not any(info[1].endswith('vda5050_vehicle')
@@ -150,12 +152,12 @@ def ros_to_mqtt(master: BenchMaster) -> List[float]:
 
 
 def is_violated(wanted: bool, state: Dict[str, Any]) -> bool:
-    """Returns whether a state has this field violation."""
+    """Returns whether the field violation in a state is `wanted`."""
     return bool(state['safetyState']['fieldViolation'] == wanted)
 
 
 def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
-    """Returns when the first state with this field violation came."""
+    """Returns when the first state came whose field violation is `pressed`."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
         if state['safetyState']['fieldViolation'] == pressed:
             return moment
@@ -269,8 +271,8 @@ def share_of_core(pid: int, seconds: float) -> float:
 
 
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
-    """Shows the rows with the robot in real time: latencies, many vehicles, return of the broker,
-    CPU.
+    """Shows the rows for a robot in real time: latencies, CPU, many vehicles, and the return of the
+    broker.
     """
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     master = BenchMaster(broker, PREFIX)

@@ -39,7 +39,7 @@ LAST = 240.0  # s after the last fault within which open missions must end
 KINDS = ('memory, MB', 'threads', 'sockets', 'files')
 GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
           'files': (0.1, 20.0)}
-JOURNAL = 12e6, 10e3  # bytes: largest size with write-ahead log; its growth per mission
+JOURNAL = 12e6, 10e3  # permitted bytes of the journal and its log: without missions, per mission
 
 
 class Soak:

@@ -102,8 +102,8 @@ def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequenc
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
                       rounds: int = 100) -> Tuple[Figures, Operation]:
-    """Returns the result of an hour on the example laboratory's graph with edges cut at `longest`
-    m.
+    """Returns the result of an hour on the example laboratory's graph. Its edges are cut into
+    sections of at most `longest` m.
     """
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
     return at_work(graph, kind, PARKING[:robots], STATIONS, seed, 3600.0, rounds)

@@ -26,8 +26,8 @@ class TooLong(Exception):
 
 
 def pymapf_solver(name: str, edges: Edges, limit: float) -> Solver:
-    """Returns LaCAM or PIBT of pymapf, in pure Python: a vertex has one robot, and no two robots
-    swap vertices.
+    """Returns LaCAM or PIBT of pymapf, in pure Python: it allows one robot on a vertex, and no two
+    robots may swap vertices.
     """
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
@@ -40,7 +40,7 @@ def pymapf_solver(name: str, edges: Edges, limit: float) -> Solver:
 
 
 def w9_solver(name: str, edges: Edges, limit: float) -> Solver:
-    """Returns HCA* or CBS of w9-pathfinding, in C++: a vertex and an edge have one robot each."""
+    """Returns HCA* or CBS of w9-pathfinding, in C++: a vertex or an edge holds one robot."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
     # on an undirected graph w9 would let robots swap, so each edge becomes two directed edges

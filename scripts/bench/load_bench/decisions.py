@@ -1,6 +1,7 @@
 """CPU time of the supervisor's decisions for 200 robots that report 10 times a second.
 
-It uses virtual time, the real planner and no ROS. Nothing is received or sent; the disk is a file.
+It uses virtual time, the real planner and no ROS. Nothing is received or sent. The journal
+is a temporary file.
 """
 from __future__ import annotations
 
@@ -68,7 +69,7 @@ class _Fleet:
 
 
 def decisions() -> Iterator[Row]:
-    """Measures reports, ticks, plans, and ticks before which no report came."""
+    """Measures reports, ticks, plans, and ticks without a report since the tick before."""
     fleet = _Fleet()
     fleet.run(SETTLING)
     fleet.spent.clear()

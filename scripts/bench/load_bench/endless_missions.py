@@ -13,7 +13,7 @@ import rospy
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from system_support import connected_publisher
 
-STEP, STOPS = 5, 60  # vertices of a ring between two stops; number of stops of a mission
+STEP, STOPS = 5, 60  # of a mission on a ring: vertices from stop to stop, number of stops
 _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
                    MissionStatus.CANCELLED))
 

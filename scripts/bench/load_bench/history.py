@@ -24,7 +24,7 @@ ENDED = 1_000_000  # missions
 ROBOTS, SIDE = 200, 71
 STARTS = 5
 REQUESTS = 300
-_PERIOD = 86400.0  # s; the missions ended within this time
+_PERIOD = 86400.0  # s; all missions ended within this time before now
 
 
 def fill(path: Path, count: int) -> None:

@@ -20,7 +20,7 @@ from trajectory_graph import Graph
 from world.plain_agv import Agv
 
 PERIOD = 0.1  # s between two reports of a robot
-_SLICES = 10  # parts of a period; each part has its share of the reports
+_SLICES = 10  # parts of a period; in each part, another tenth of the robots reports
 
 
 class Release(NamedTuple):
@@ -67,7 +67,7 @@ class _Robot:
                                                 rospy.Time.now().to_nsec()))
 
     def _ahead(self) -> float:
-        """Returns the length (m) of the part of its route that it has not driven yet."""
+        """Returns the length (m) of the part of the route that the robot has not driven yet."""
         agv = self.agv
         left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
         return left - (agv.arc if agv.is_driving else 0.0)

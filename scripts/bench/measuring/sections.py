@@ -1,4 +1,4 @@
-"""Benchmarks in sections, each in its own process, because a process is one ROS node."""
+"""Benchmarks in sections, each in its own process: a process can be only one ROS node."""
 from __future__ import annotations
 
 import argparse

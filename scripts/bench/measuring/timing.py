@@ -9,7 +9,7 @@ import numpy as np
 
 
 def milliseconds(run: Callable[[], object], runs: int = 7) -> float:
-    """Returns the median duration (ms, by the clock) of several runs."""
+    """Returns the median duration of several runs, in ms of wall-clock time."""
     times = []
     for _ in range(runs):
         begun = time.perf_counter()

@@ -26,10 +26,10 @@ from world.witness import Witness
 
 RECOVERS = 8.0  # s within which a robot can be reached after a program or link is back
 MASTER_RECOVERS = 15.0  # s within which all nodes must register at a new ROS master
-SLOW = 0.15  # speed of the LD-90s' clocks: the robots still drive when their link is back
+SLOW = 0.15  # speed of the LD-90s' clocks, so low that robots still drive when their link is back
 BRAKES = RECOVERS + 3.0 / SLOW  # s within which a slow LD-90 stands still after the link is back
 OWED = 9.0  # s for which the soak watches an owed stop, including the grace of the witness
-CLEAR = 1.6  # m; a robot is carried only to a place that is further from all other robots
+CLEAR = 1.6  # m: least distance to all other robots at a place to which a robot is carried
 ON_GRAPH = 0.35  # m from a vertex; a robot that is nearer counts as on the graph
 SETTLES = 4.0  # s after which a carried robot has reported its new place
 TRIES = 5  # refused joins after which a robot is carried away

@@ -1,4 +1,4 @@
-"""A file is replaced by a complete new file, or not at all; all packages use this function."""
+"""A file is replaced by a complete new file, or not at all; all packages use `replace_file`."""
 from __future__ import annotations
 
 import ast

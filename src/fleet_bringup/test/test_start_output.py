@@ -158,7 +158,7 @@ def test_a_signal_before_roslaunch_runs_reaches_it_when_it_runs() -> None:
 
 @pytest.fixture
 def shown(tmp_path: Path) -> Iterator[subprocess.Popen]:
-    """`start_output` with a stand-in for roslaunch that prints which signal it got."""
+    """Yields `start_output` with a stand-in for roslaunch that prints which signal it got."""
     program = tmp_path / 'roslaunch'
     program.write_text(f"""#!{sys.executable}
 import signal, sys

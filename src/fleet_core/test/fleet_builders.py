@@ -18,7 +18,11 @@ AGV = RobotType('agv', 0.4, 1.0)
 
 def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple[int, int]],
              speed: float = 1.0, one_way: Sequence[int] = ()) -> Graph:
-    """A graph of vertices `places` {id: (x, y)} and straight edges `ends` {id: (from, to)}."""
+    """Returns a graph with straight edges.
+
+    places -- {id: (x, y)} of the vertices
+    ends   -- {id: (from, to)} of the edges
+    """
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
                  [Edge(id, *pair, velocity_forward=speed,
                        velocity_backwards=0.0 if id in one_way else speed)
@@ -26,7 +30,10 @@ def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple
 
 
 def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0) -> Graph:
-    """Vertices 1 .. length in a row, joined by edges 1 .. length - 1; a siding is vertex 100."""
+    """Returns a row of vertices 1 .. length, joined by edges 1 .. length - 1.
+
+    siding_at -- edge 100 leads from this vertex to a siding, vertex 100; None: no siding
+    """
     places: Dict[int, Tuple[float, float]] = {
         k: ((k - 1) * spacing, 0.0) for k in range(1, length + 1)}
     ends = {k: (k, k + 1) for k in range(1, length)}
@@ -37,7 +44,10 @@ def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0)
 
 
 def ladder(length: int, spacing: float = 2.0) -> Graph:
-    """Two rows of vertices, 1 .. length and 101 .. 100 + length, joined at each pair."""
+    """Returns two rows of vertices, 1 .. length and 101 .. 100 + length.
+
+    An edge joins each vertex k to vertex 100 + k.
+    """
     places = {100 * row + k: ((k - 1) * spacing, row * spacing)
               for row in (0, 1) for k in range(1, length + 1)}
     ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
@@ -79,7 +89,7 @@ def with_docks(graph: Graph, *docks: int) -> Graph:
 
 
 def grant(record: RouteRecord, edges: Sequence[int]) -> None:
-    """Orders the robot of this record to drive these edges after the edges that are ahead of it."""
+    """Orders the robot of this record to drive these edges after all that it already has ahead."""
     protocol = record.protocol
     record.protocol = give_route(protocol, protocol.number + 1, (*record.ahead, *edges), 1)
 

@@ -127,7 +127,10 @@ class MidEdgeCase(Case):
         return curve.point_at(mid_edge[1] * curve.length)
 
     def outcome(self, mid_edge, rounds=0):
-        """The outcome of the case; if not `mid_edge`, all robots stand on vertices."""
+        """Plans the case. Returns the outcome.
+
+        mid_edge -- False: robots between two vertices are put on the first end of their edge
+        """
         tasks = [replace(task, destinations=self.missions.get(name, ()), stays=True,
                          **({} if mid_edge or not task.mid_edge else {
                              'mid_edge': None, 'vertex': self._vertex(task)}))

@@ -16,8 +16,8 @@ import yaml
 from shapely.geometry import LineString, Point
 
 SAMPLES = 400  # points on a spline: at a radius of 0.3 m, chords are within 0.01 mm of the curve
-TOLERANCE = 1e-4  # m
-SLACK = 1e-6  # s, and fractions
+TOLERANCE = 1e-4  # m by which a distance may be short
+SLACK = 1e-6  # s by which a time may be early
 
 
 class World:

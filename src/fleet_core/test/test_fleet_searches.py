@@ -1,4 +1,4 @@
-"""The searches find the best solution, compared with each other and with exhaustive search.
+"""The searches find the best solution: they agree with each other and with exhaustive search.
 
 The grid has edges exactly as long as the distance that robots must keep. On this grid every plan
 can be made of steps of one edge in which no two robots hold the same vertex. So an exhaustive

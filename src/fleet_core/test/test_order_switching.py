@@ -125,7 +125,10 @@ def a_case(seed: int) -> Case:
 
 
 def ends(courses: Dict[str, RemainingDrives], order: Sequence[Constraint]) -> Dict[str, float]:
-    """The end times of all robots, computed until nothing changes; `order` must have no ring."""
+    """Returns the end times of all robots, by repeated passes until nothing changes.
+
+    `order` must have no ring.
+    """
     starts = {(name, course.first + k): course.begins if k == 0 else 0.0
               for name, course in courses.items() for k in range(len(course.seconds))}
     for _ in range(len(starts) + 1):
@@ -237,7 +240,7 @@ def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int])
 
 
 def first_through(at: Moment) -> str:
-    """The robot that goes first; the plan has only one place where two robots meet."""
+    """Returns the robot that passes first the only place where two robots meet."""
     (only,) = at.groups
     return only.first
 

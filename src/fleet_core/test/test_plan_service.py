@@ -179,7 +179,10 @@ def test_closed_edges_that_the_graph_does_not_have_change_nothing():
 # -- the time limit of a request is respected ------------------------------------------------------
 
 def rows(count, length=20):
-    """A row of vertices 100 row + 1, ... for each robot; the rows are joined at their far ends."""
+    """Returns a row of vertices for each robot. The rows are joined at their far ends.
+
+    Row r (from 0) has the vertices 100 r + 1 to 100 r + length.
+    """
     places = {100 * row + k: (2.0 * k, 10.0 * row)
               for row in range(count) for k in range(1, length + 1)}
     ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
@@ -226,8 +229,9 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
 
 @pytest.fixture
 def plan_until(monkeypatch):
-    """A function that plans for robots, each in its own row of vertices. The time ends during
-    search number `last`, so that this search finds nothing.
+    """Returns a function that plans for robots, each in its own row of vertices.
+
+    The time limit passes during search number `last`, so this search finds nothing.
     """
     def plan(count, last, *tasks):
         late, planned, now = [0.0], [], time.monotonic

@@ -312,7 +312,7 @@ def cancels_what_was_started(patch: pytest.MonkeyPatch) -> None:
         Word.CANCELLED, StepCode.NONE, '', HandOverPhase.IDLE, now))
 
 
-PLANTED = {  # with the commands that may be sent
+PLANTED = {  # for each fault, the invariant that breaks, and the commands that may be sent
     starts_again_after_a_start: ('ONCE', COMMANDS[:1]),
     starts_what_is_not_stored: ('STORED', COMMANDS[:1]),
     believes_a_done_of_another_key: ('TRUE', COMMANDS[0:3:2]),

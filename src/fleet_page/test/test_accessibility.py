@@ -27,7 +27,7 @@ RUN = '''const done = arguments[0];
 axe.run().then(found => done([found.passes.length, found.violations.map(
   one => [one.id, one.nodes.map(node => node.html)])]));'''
 TAB_OF = {'template': 'missions', 'layers': 'robots'}
-JUDGED = 10  # rules; if axe-core applied fewer, it has not really checked the page
+JUDGED = 10  # least number of rules that axe-core must apply, so that the check counts
 
 
 @pytest.fixture(scope='module')

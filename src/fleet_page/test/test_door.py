@@ -24,7 +24,7 @@ QUICK = 0.5  # s; in these tests a STOP that waits for anything takes far longer
 
 
 async def connect(client, *lines: str, address: str = '127.0.0.1'):
-    """Returns a connection on which these lines of a request were sent, and nothing more."""
+    """Opens a connection, sends only these lines of a request, and returns the connection."""
     port = int(client.origin.rpartition(':')[2])
     reader, writer = await asyncio.open_connection('127.0.0.1', port, local_addr=(address, 0))
     writer.write(''.join(f'{line}\r\n' for line in lines).encode())
@@ -40,7 +40,7 @@ async def ended(reader, seconds: float = 5.0) -> bytes:
 
 
 async def stopped_in(client) -> float:
-    """Returns the time (s) until a stop on a new connection has succeeded."""
+    """Stops the fleet on a new connection; returns the time (s) until the stop has succeeded."""
     begun = time.monotonic()
     status, answer = await client.act(STOP)
     assert status == 200 and answer['ok'], answer
@@ -48,7 +48,7 @@ async def stopped_in(client) -> float:
 
 
 def connections(site):
-    """The limits of the served door."""
+    """Returns the admissions of the door, which limit its connections."""
     return site.door._listener.admissions
 
 
@@ -185,7 +185,7 @@ def test_requests_that_the_page_does_not_answer_take_no_place_of_a_stop(tmp_path
             task.cancel()
         await asyncio.gather(*waiting, return_exceptions=True)
         await client.session.close()
-        await until(lambda: not site.door._relayed)  # ended clients hold no places
+        await until(lambda: not site.door._relayed)  # a client that has ended holds no place
         await site.go_on()
     served(tmp_path, test, secured=True)
 

@@ -1,4 +1,4 @@
-"""The process of the door opens or says why it cannot, and ends with the page's process."""
+"""The door's process opens the door or says why it cannot. It ends with the page's process."""
 from __future__ import annotations
 
 import json
@@ -97,7 +97,7 @@ def test_a_port_that_another_program_uses_is_told(tmp_path, door):
 
 
 def test_few_descriptors_are_enough_for_all_connections_that_the_limits_allow(tmp_path):
-    """A flood never takes the descriptors that a STOP needs, even with the smallest usual limit."""
+    """A flood never takes the descriptors that a STOP needs, even if only 1024 are allowed."""
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
     read, write = os.pipe()
     child = os.fork()

@@ -1,4 +1,8 @@
-"""The page in a real Chromium: each act from the click to the fleet, languages, sizes, keyboard."""
+"""The page in a real Chromium.
+
+The tests follow each act from the click to the fleet. They also check languages, sizes and the
+keyboard.
+"""
 from __future__ import annotations
 
 import colorsys
@@ -342,7 +346,7 @@ def test_a_robot_in_a_crowd_has_its_name_where_that_covers_no_other_robot(window
     served.do(lambda: served.page.model.update_robots([robot(name, battery=None, **(
         {'state': 'FAILED', 'outage': 'FAILED'} if name == left_out else {}))
         for name in names], time.time()))
-    window.wait(lambda: left_out in window.script(COVERED)[0], 'the name of one in trouble')
+    window.wait(lambda: left_out in window.script(COVERED)[0], 'the name of the robot in trouble')
 
 
 BESIDE = '''
@@ -359,7 +363,7 @@ import('/page/map.js').then(map => {
 
 def test_the_buttons_of_the_map_do_not_cover_the_site(window, served):
     def build():
-        served.page.site.walls = walls(4, 3)  # 2 m around the graph
+        served.page.site.walls = walls(4, 3)  # with a margin of 2 m around the graph
         served.page.model.site_changed()
     served.do(build)
     for width, height in ((390, 844), (820, 1180), (1440, 900), (844, 390)):
@@ -801,7 +805,7 @@ def test_a_stop_does_not_wait_for_requests_that_the_page_does_not_answer(window,
     window.click('#stop')
     asked(window, served, ActKind.STOP)
     served.go_on()
-    window.problems()  # drops errors of the requests that were given up
+    window.problems()  # forgets the errors of the cancelled requests
 
 
 def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
@@ -1087,7 +1091,7 @@ def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sectio
     window.click('#closed [data-act=open]')
     asked(window, served, ActKind.OPEN, edges=(3,))
     window.click('#tab_button_missions')
-    window.click_vertex(between)  # at this vertex only the edge is shown
+    window.click_vertex(between)  # a click here only chooses the edge
     window.wait(lambda: window.one('#edge').get_attribute('value') == '3')
     assert window.driver.find_elements('css selector', '#chosen li') == []
 

@@ -1,4 +1,4 @@
-"""The alert rules for Prometheus and the dashboard for Grafana use metrics that the page has."""
+"""The alert rules for Prometheus and the dashboard for Grafana use only metrics of the page."""
 import json
 import re
 import shutil

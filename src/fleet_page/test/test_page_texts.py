@@ -172,7 +172,7 @@ def test_every_outcome_of_an_act_is_translated(path):
 
 
 def whole_texts_in(tree):
-    """Yields the texts in Python code with {} for inserted values, without the parts of a text."""
+    """Yields the texts in Python code as whole texts, with {} for inserted values."""
     if isinstance(tree, ast.JoinedStr):
         yield next(texts_in(tree))
     elif isinstance(tree, ast.Constant) and isinstance(tree.value, str):
@@ -183,7 +183,10 @@ def whole_texts_in(tree):
 
 
 def said_by(module, name):
-    """Returns the function `name` without its docstring; without a name, the module's constants."""
+    """Returns the code of the function `name`; if there is no name, the module's constants.
+
+    The docstring of the function is left out.
+    """
     if not name:
         return ast.Module([node for node in module.body if isinstance(node, ast.Assign)], [])
     function = next(node for node in ast.walk(module)

@@ -1,4 +1,4 @@
-"""The stored data of the page: sums, favourites, audit list and replay, with little disk space."""
+"""The page stores sums, favourites, the audit list and the replay in little disk space."""
 import os
 
 import pytest
@@ -142,6 +142,6 @@ def test_a_full_disk_is_told_once_and_the_fleet_is_shown(tmp_path, monkeypatch, 
     monkeypatch.setattr(shown.replay, 'add', lambda *_: (_ for _ in ()).throw(OSError('full')))
     for second in range(5):
         show_fleet(shown, 1000.0 + second)
-        shown._summed = 1000.0 + second  # so the sums are not written here
+        shown._summed = 1000.0 + second  # prevents that `tick` writes the sums
         shown.tick(1000.0 + second)
     assert caplog.text.count('full') == 1 and shown.model.live.get('fleet')['alive']

@@ -1,4 +1,4 @@
-"""The page by HTTP: permissions, hostile requests, and event streams that cost little."""
+"""The page over HTTP: permissions, hostile requests, and event streams that cost little."""
 from __future__ import annotations
 
 import asyncio

@@ -29,7 +29,7 @@ SERVICE = 61234  # id of a user that no system has
 
 
 def corridor(length: int) -> Graph:
-    """Vertices 1 .. length in a row, 2 m apart."""
+    """Returns a graph with the vertices 1 .. length in a row, 2 m apart."""
     return Graph([Vertex(k, 2.0 * k, 0.0, 0.0) for k in range(1, length + 1)],
                  [Edge(k, k, k + 1, velocity_forward=1.0, velocity_backwards=1.0)
                   for k in range(1, length)])
@@ -168,7 +168,7 @@ def test_what_it_does_not_know_it_does_not_do(words, home):
 
 @pytest.fixture
 def foreign(monkeypatch):
-    """The state of services whose user is not root, below a folder that this user can enter."""
+    """Yields a folder that all users can enter, with the state of services of another user."""
     if os.geteuid() != 0:
         pytest.skip('only root can work for another user')
     with tempfile.TemporaryDirectory() as name:

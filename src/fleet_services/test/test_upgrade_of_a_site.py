@@ -49,7 +49,7 @@ def archive(tmp_path) -> Path:
 
 @pytest.fixture
 def home(tmp_path, monkeypatch, archive) -> Path:
-    """The restored ROS_HOME; the files of the site are in the folder `site` beside it."""
+    """Returns the restored ROS_HOME; the files of the site are in the folder `site` beside it."""
     home = tmp_path / 'home'
     home.mkdir()
     (tmp_path / 'site').mkdir()
@@ -67,7 +67,7 @@ def test_the_graph_and_the_fleet_of_1_0_0_are_those_of_the_site(home):
         ('a', 'agv', 2, False), ('b', 'agv', 8, False), ('ld90_1', 'omron_ld90', 1, True)]
     assert [(one.reach, one.docks) for one in fleet.types] == [
         (0.4, None), (0.43 + 0.25, frozenset({1}))]
-    assert 'stopping: 3.5' in (site / 'fleet.yaml').read_text()  # this version ignores it
+    assert 'stopping: 3.5' in (site / 'fleet.yaml').read_text()  # this version ignores the key
 
 
 def test_the_site_file_of_1_0_0_is_read(home):

@@ -27,7 +27,7 @@ DEMAND = 'flows:\n- {to: 25, from: 21, per_hour: 60}\n'
 
 @pytest.fixture(scope='session')
 def yard() -> Graph:
-    """A graph like a ladder: two rows of vertices, with a spur at each upper vertex."""
+    """Returns a graph like a ladder: two rows of vertices, with a spur at each upper vertex."""
     places, ends = {}, {}
     for k in range(5):
         for row in range(3):
@@ -42,8 +42,8 @@ def yard() -> Graph:
 
 @pytest.fixture(scope='session')
 def files_in(yard: Graph) -> Callable[..., Dict[str, str]]:
-    """A function that writes the files of graph, fleet and demand into a folder, and the work file
-    if work is given.
+    """Returns a function that writes graph, fleet and demand files into a folder. It also writes
+    a work file if work is given.
 
     The function returns the paths; the keys are the names of the files.
     """
@@ -60,5 +60,5 @@ def files_in(yard: Graph) -> Callable[..., Dict[str, str]]:
 
 @pytest.fixture
 def files(files_in: Callable[..., Dict[str, str]], tmp_path: Path) -> Callable[..., Dict[str, str]]:
-    """The function of `files_in`, for the folder of one test."""
+    """Returns the function of `files_in` for the folder of one test."""
     return partial(files_in, tmp_path)

@@ -3,8 +3,8 @@
 With all guards of the interlocking, the promises hold. If one of these guards is missing, promises
 are broken. Normally the supervisor hides a missing guard: it does not ask for edges that most
 guards would refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore
-the supervisor is reckless in lives without a guard: it does none of these things, and asks for
-random edges.
+the supervisor is reckless in lives without a guard: it takes none of these precautions, and asks
+for random edges.
 
 Two guards are exceptions: in 200 lives without `robot is clear of others`, no promise was broken,
 and in 200 lives without `last order is settled`, none was broken. The second of these guards

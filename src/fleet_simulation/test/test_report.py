@@ -37,7 +37,7 @@ def run(robots: int, seed: int, succeeded: int, requested: int = 100) -> Figures
 
 @pytest.fixture(scope='module')
 def study(yard: Graph, files_in, tmp_path_factory):
-    """A function that makes a study of the yard from the figures of runs."""
+    """Returns a function that makes a study of the yard from the figures of runs."""
     paths = files_in(tmp_path_factory.mktemp('site'))
     site = site_of(yard, load_fleet(paths['fleet']), load_settings(paths['fleet']),
                    load_demand(paths['demand'], yard))

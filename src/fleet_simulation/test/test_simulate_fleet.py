@@ -224,7 +224,7 @@ DOCK = 21
 
 @pytest.fixture
 def charging_yard(yard: Graph) -> Graph:
-    """The yard with a dock at the end of a spur."""
+    """Returns the yard with a dock at the end of a spur."""
     return Graph([replace(vertex, dock=vertex.id == DOCK) for vertex in yard.vertices.values()],
                  list(yard.edges.values()))
 

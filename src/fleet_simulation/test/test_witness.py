@@ -237,7 +237,7 @@ SELF = ast.Name('self', ast.Load())
 
 
 def private_members(source: str) -> Sequence[str]:
-    """The private members of other objects that a module reads, changes or imports."""
+    """Returns the private members of other objects that a module reads, changes or imports."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Attribute) and ast.dump(node.value) != ast.dump(SELF):

@@ -25,7 +25,7 @@ class Plan:
     places: Tuple[NamedPlace, ...] = ()
 
     def site(self, name: str = 'plan') -> MappedSite:
-        """The site with outer walls around the plan."""
+        """Returns a site of the plan with outer walls around it."""
         rows, columns = (int(round(side / RESOLUTION)) + 4 for side in (self.height, self.width))
         occupied = np.zeros((rows, columns), bool)
         occupied[:2], occupied[-2:], occupied[:, :2], occupied[:, -2:] = True, True, True, True
@@ -40,25 +40,25 @@ class Plan:
 
 
 def corridor(length: float = 12.0, width: float = 2.4) -> Plan:
-    """A straight corridor."""
+    """Returns a straight corridor."""
     return Plan(length, width, (), (1.0, width / 2.0))
 
 
 def two_rooms(door: float = 1.4) -> Plan:
-    """Two rooms of 6 x 5 m, one above the other, with a door in the middle between them."""
+    """Returns two rooms of 6 x 5 m, one above the other, joined by a door in the middle."""
     left, right = 3.0 - door / 2.0, 3.0 + door / 2.0
     return Plan(6.0, 10.1, ((0.0, 5.0, left, 5.1), (right, 5.0, 6.0, 5.1)), (3.0, 2.5))
 
 
 def corner() -> Plan:
-    """A corridor 2 m wide with a right-angled corner."""
+    """Returns a corridor 2 m wide with a right-angled corner."""
     return Plan(10.0, 10.0, ((2.0, 0.0, 10.0, 8.0),), (1.0, 1.0))
 
 
 @st.composite
 def floor_plans(draw: st.DrawFn) -> Plan:
-    """A corridor between two rows of rooms with doors, sometimes a hall at the end, and objects at
-    random.
+    """Draws a corridor between two rows of rooms with doors. The plan has random objects, and
+    sometimes a hall at the end.
     """
     passage = draw(st.sampled_from((1.3, 1.8, 2.6)))
     depths = draw(st.integers(28, 60)) / 10.0, draw(st.integers(28, 60)) / 10.0

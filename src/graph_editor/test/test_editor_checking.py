@@ -25,7 +25,7 @@ RING = {1: (2.0, 1.5), 2: (10.0, 1.5), 3: (10.0, 6.5), 4: (2.0, 6.5)}
 
 
 def ring() -> Draft:
-    """Four vertices around the block, joined by lines, without any error."""
+    """Returns four vertices around the block, joined by lines, without any error."""
     vertices = [Vertex(id, x, y, 0.0, label='pass') for id, (x, y) in RING.items()]
     edges = [Edge(id, id, id % 4 + 1, velocity_forward=1.0, velocity_backwards=0.5)
              for id in RING]
@@ -37,7 +37,7 @@ def found(draft: Draft, plan: Plan = HALL) -> list:
 
 
 def only(findings: list, words: str) -> Finding:
-    """The only finding, which must have these words."""
+    """Returns the only finding, and checks that it has these words."""
     assert [finding for finding in findings if words not in finding.text] == []
     one, = findings
     return one

@@ -10,7 +10,7 @@ from graph_editor.floor import Floor, inside_outline
 
 
 def floor_of(*rows: str, resolution: float = 0.5, origin=(0.0, 0.0)) -> Floor:
-    """A floor drawn with `#` for occupied cells; the first row is the highest."""
+    """Returns a floor drawn with `#` for occupied cells; the first row is the highest."""
     occupied = np.array([[letter == '#' for letter in row] for row in rows[::-1]])
     return Floor(occupied, np.ones_like(occupied), resolution, origin)
 

@@ -23,7 +23,7 @@ free_thresh: 0.196
 
 @pytest.fixture
 def hall(tmp_path) -> str:
-    """A ROS map of two rooms, with a wide gap between them."""
+    """Returns the file of a ROS map of two rooms, with a wide gap between them."""
     occupied = PLAN.site().floor.occupied
     Image.fromarray(np.where(occupied, 0, 254).astype(np.uint8)[::-1]).save(tmp_path / 'hall.pgm')
     (tmp_path / 'hall.yaml').write_text(YAML)

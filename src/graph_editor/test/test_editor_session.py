@@ -36,7 +36,7 @@ def session_of(path) -> EditingSession:
 
 
 def hall() -> EditingSession:
-    """A session whose file is never written."""
+    """Returns a session whose file is never written."""
     return EditingSession(GraphFile(HALL, 'hall.yaml'), '/nowhere/hall.yaml')
 
 

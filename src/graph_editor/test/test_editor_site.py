@@ -25,7 +25,7 @@ negate: 0
 
 
 def hall() -> np.ndarray:
-    """A hall of 6 x 4 m in the grey values of map_server; row 0 has the highest y."""
+    """Returns a hall of 6 x 4 m in the grey values of map_server; row 0 has the highest y."""
     grey = np.full((40, 60), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
     grey[5:10, 5:10] = 205  # unknown cells
@@ -142,7 +142,7 @@ FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 
 def pixels_of(tmp_path, name: str, mode: str, *colours: object) -> list:
-    """The cells that load_ros_map reads from an image with one row of pixels."""
+    """Returns the cells that load_ros_map reads from an image with one row of pixels."""
     image = Image.new(mode, (len(colours), 1))
     for x, colour in enumerate(colours):
         image.putpixel((x, 0), colour)

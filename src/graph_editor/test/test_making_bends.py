@@ -18,8 +18,9 @@ CORNERS = ((4.2, 1.0), (4.2, 5.0), (5.8, 5.0), (5.8, 9.0))
 
 
 def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> List[Piece]:
-    """The pieces of the lane along `corners`. The lane leads through a door (width in m) between
-    two rooms.
+    """Returns the pieces of a lane along `corners`, which leads through a door between two rooms.
+
+    door -- width of the door, m
     """
     plan = Plan(10.0, 10.0, ((4.95, 0.0, 5.05, 5.0 - door / 2.0),
                              (4.95, 5.0 + door / 2.0, 5.05, 10.0)), (1.0, 1.0))
@@ -32,7 +33,7 @@ def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> Lis
 
 
 def room(piece: Piece, net_floor) -> float:
-    """The least clearance (m) along a bend."""
+    """Returns the least clearance (m) along a bend."""
     return float(net_floor.clearance_at(cubic_bezier(piece.control).sample(0.02)).min())
 
 

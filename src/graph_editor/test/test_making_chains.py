@@ -10,7 +10,7 @@ from graph_editor.making.chains import ChainGraph
 
 @pytest.fixture
 def ring_on_a_way() -> ChainGraph:
-    """Node 1 between nodes 2 and 3. A very short ring begins and ends at node 1."""
+    """Returns node 1 between nodes 2 and 3. A very short ring begins and ends at node 1."""
     graph = ChainGraph(Plan(10.0, 10.0, (), (1.0, 1.0)).site().floor)
     for node, place in ((1, (5.0, 5.0)), (2, (2.0, 5.0)), (3, (8.0, 5.0))):
         graph.add_node(node, np.array(place))

@@ -13,7 +13,7 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 
 def row(*ids: int, pitch: float = 2.0) -> Graph:
-    """Vertices in a row with these ids. The id of an edge is the id of its origin plus 10."""
+    """Returns vertices in a row with these ids. The id of an edge is that of its origin plus 10."""
     vertices = [Vertex(id, k * pitch, 0.0, 0.0) for k, id in enumerate(ids)]
     return Graph(vertices, [Edge(first + 10, first, second, velocity_forward=1.0,
                                  velocity_backwards=0.5) for first, second in zip(ids, ids[1:])])

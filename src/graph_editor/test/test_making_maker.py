@@ -31,8 +31,7 @@ OPTIONS = MakingOptions()
 
 
 def floor_of_robot(site: MappedSite) -> np.ndarray:
-    """The floor that a robot can reach from its start places, and where it can turn or pass
-    straight.
+    """Returns the floor on which a robot can turn and which it can reach from its start places.
 
     The margin here is larger than the smallest margin of make_graph, so the graph must reach all
     this floor.
@@ -57,7 +56,10 @@ def floor_of_robot(site: MappedSite) -> np.ndarray:
 
 def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
                      near: coo_matrix) -> bool:
-    """Whether a robot has room on a straight line from a point in `starts` to a point in `ends`."""
+    """Returns whether a robot has room on a straight line between two near points.
+
+    near -- the pairs of a point in `starts` and a near point in `ends`
+    """
     first, last = starts[near.row], ends[near.col]
     room = np.full(len(first), np.inf)
     for fraction in np.linspace(0.0, 1.0, 31):
@@ -66,18 +68,18 @@ def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
 
 
 def share_served(site: MappedSite, graph: Graph, reach: float) -> float:
-    """The fraction of the robot's floor with a driving distance of at most `reach` m to an edge."""
+    """Returns the share of the robot's floor from which an edge is within `reach` m of driving."""
     return float(served_or_not(site, graph, reach).mean())
 
 
 def floor_left(site: MappedSite, graph: Graph, reach: float) -> float:
-    """The area (m2) of the robot's floor that is farther than `reach` m from all edges."""
+    """Returns the area (m2) of the robot's floor that is farther than `reach` m from all edges."""
     return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
 
 
 def served_or_not(site: MappedSite, graph: Graph, reach: float) -> np.ndarray:
-    """For each cell of the robot's floor: whether an edge is within `reach` m. Paths may lead
-    through gaps.
+    """Returns for each cell of the robot's floor whether an edge or vertex is within `reach` m of
+    driving. The paths may lead through places at which a robot cannot turn.
     """
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
@@ -95,13 +97,13 @@ def least_clearance(site: MappedSite, graph: Graph) -> float:
 
 
 def turns_without_room(site: MappedSite, graph: Graph) -> List[str]:
-    """The findings of check_graph about places where robots must turn but cannot."""
+    """Returns the findings of check_graph about places where robots must turn but cannot."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return [str(finding) for finding in findings if 'must turn' in finding.text]
 
 
 def crookedness(graph: Graph) -> float:
-    """The fraction of the graph's length that is neither horizontal nor vertical."""
+    """Returns the share of the graph's length that is neither horizontal nor vertical."""
     lengths = {True: 0.0, False: 0.0}
     for id in graph.edges:
         curve = graph.curve(id)
@@ -165,7 +167,7 @@ def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
 
 
 def room_behind_a_corner(width: float) -> Plan:
-    """Two rooms, connected by a passage with a right-angled corner."""
+    """Returns two rooms, connected by a passage with a right-angled corner."""
     return Plan(9.0, 7.0 + width, (
         (0.0, 3.0, 5.0, 4.0), (5.0 + width, 3.0, 9.0, 4.0 + width),
         (3.0, 4.0 + width, 9.0, 7.0 + width)), (2.0, 1.5))
@@ -191,7 +193,7 @@ def test_of_two_parts_the_one_stays_in_which_robots_start_not_one_behind_the_wal
 
 
 def two_doors(*boxes: Box) -> Plan:
-    """Two rooms with two doors of 0.6 m between them. The upper room has a goal on each side."""
+    """Returns two rooms, joined by two doors of 0.6 m. The upper room has a goal on each side."""
     return Plan(6.4, 5.1, (
         (0.0, 2.35, 1.75, 2.45), (2.35, 2.35, 4.9, 2.45), (5.5, 2.35, 6.4, 2.45), *boxes),
         (3.2, 0.7), (NamedPlace(PlaceKind.GOAL, 'right', 3.9, 3.6),

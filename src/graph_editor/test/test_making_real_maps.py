@@ -28,7 +28,7 @@ OPTIONS = MakingOptions()
 @pytest.fixture(scope='module', params=['lab_base.map', 'omron-ld-site-a.map',
                                         'omron-ld-site-b.map'])
 def made(request):
-    """A site and the graph that is made from it."""
+    """Returns a site and the graph that is made from it."""
     path = (MAPS if request.param.startswith('lab') else REAL) / request.param
     if not path.exists():
         pytest.skip(f'{request.param} does not exist: set LD90_REAL_MAPS')
@@ -37,7 +37,7 @@ def made(request):
 
 @lru_cache(maxsize=None)
 def made_of(path: Path):
-    """A site and the graph that is made from it; the graph is made once for all tests."""
+    """Returns a site and the graph made from it; each graph is made once for all tests."""
     site = load_site(str(path), SiteOptions())
     return site, make_graph(site, OPTIONS).graph
 

@@ -20,7 +20,7 @@ OPTIONS = MakingOptions()
 
 
 def net_of(plan: Plan, *nodes: Tuple[float, float], need: float = OPTIONS.tight) -> LaneNet:
-    """Nodes with ids from 1, and a lane from each node to the next."""
+    """Returns nodes with ids from 1, and a lane from each node to the next."""
     net = LaneNet(plan.site().floor)
     places = np.array(nodes)
     ids = [net.add_node(place) for place in places]
@@ -34,7 +34,7 @@ def room_at(net: LaneNet, node: int) -> float:
 
 
 def passage(door: float = 0.7) -> Plan:
-    """A corridor below, a room above, and a door between them at the right."""
+    """Returns a corridor below, a room above, and a door between them at the right."""
     return Plan(5.3, 5.0, ((0.0, 1.75, 4.0, 1.85), (4.0 + door, 1.75, 5.3, 1.85)), (0.9, 0.9))
 
 

@@ -130,7 +130,7 @@ class WatchedLoop:
         self.slowness = self.random.choice((0.1, 1.0, 5.0)) * TICK
 
     def arrives(self, kind):
-        """An event or a request arrives."""
+        """Queues an event or a request that arrives now."""
         number = len(self.arrived[kind])
         self.arrived[kind].append(self.clock.now)
 
@@ -149,13 +149,13 @@ class WatchedLoop:
         return self.arrived[kind][len(self.taken[kind]):]
 
     def tick(self, now, heard):
-        """The supervisor's tick."""
+        """Records a tick of the supervisor."""
         self.taken['tick'].append(now)
         self.heard.append(heard)
         return ()
 
     def requests(self, requests, now):
-        """The supervisor's requests."""
+        """Records requests that the supervisor gets."""
         self.taken['request'] += [request.id for request in requests]
         return ()
 
@@ -292,7 +292,7 @@ def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
 
 
 def told_by(actions):
-    """Ids and states of the requests that the statuses report."""
+    """Returns the id and state in each published status."""
     return [(action.status.request_id, action.status.state) for action in actions
             if isinstance(action, PublishStatus)]
 

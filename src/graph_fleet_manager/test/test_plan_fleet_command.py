@@ -47,7 +47,7 @@ class Files:
 
 @pytest.fixture
 def swap(tmp_path):
-    """Two robots that change places in a corridor with a siding."""
+    """Returns files in which two robots swap places in a corridor with a siding."""
     return Files(tmp_path, corridor(5, siding_at=3), {'a': ('agv', 1), 'b': ('agv', 5)},
                  {'a': [5], 'b': [1]})
 

@@ -32,7 +32,7 @@ def fleet():
 
 @pytest.fixture
 def looked_at(monkeypatch):
-    """The number of times that the supervisor looked at each mission."""
+    """Returns how often the supervisor has looked at each mission, by id."""
     counter = Counter()
     original = assignment.hindrances
 

@@ -40,7 +40,7 @@ class Launch:
             str(SOURCES / name / 'src') for name in ('node_host', 'node_lifecycle'))}
 
     def host(self, *modules, before=''):
-        """Starts a host. Before that, the process runs the code `before`."""
+        """Starts a host in a new process, which first runs the code `before`."""
         code = f"{before}\nfrom node_program import run_main; run_main('node_host.program')"
         return self._popen([sys.executable, '-c', code, *modules])
 

@@ -1,4 +1,4 @@
-"""Each row of the table of attributions has its meaning, and no other row replaces it."""
+"""Each row of the table of attributions has its effect; without the row, the result differs."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple, Union
@@ -42,7 +42,7 @@ class Occasion(NamedTuple):
 
 
 OCCASIONS: Dict[str, Occasion] = {
-    # the cause of a `Stopping`
+    # rows that find the cause of a `Stopping`
     'our stop': Occasion('Stopped', ['stop'], ['Stopping', 'Stopped'], ['succeeded'],
                          MotionCause.STOP),
     'undocked': Occasion('Docked', ['undock'], [UNDOCKING, UNDOCKED, 'Stopping'], ['succeeded'],
@@ -59,7 +59,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
-    # the giver has been told that its drive has ended; then the robot says what became of it
+    # the giver has been told that its drive has ended; then the robot says what became of the drive
     'refused late': Occasion('Stopped', ['goto 12'],
                              ['EStop pressed', again, 'CommandError: goto 12', REASON],
                              ['emergency stop'], MotionCause.EMERGENCY_STOP),
@@ -118,7 +118,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'broken off': Occasion('Docked', ['undock'], [UNDOCKING, DOCKED], ['interrupted'], OTHERS),
     'under way': Occasion('Stopped', ['doTask wait 1'], ['Doing task wait 1', 'Going to 5'],
                           ['under way'], OURS),
-    # the giver for which the robot sets out
+    # rows that find the giver for which the robot sets out
     'late start': Occasion('Stopped', ['goto 12'], [outage, 'Going to 12'], ['lost'], OURS),
     'docks by itself': Occasion('Stopped', [], [UNDOCKED, DOCKING], [], ITSELF),
     'drive of another client': Occasion('Stopped', [], ['Going to 9'], [], OTHERS),

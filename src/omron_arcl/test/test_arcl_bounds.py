@@ -1,7 +1,8 @@
 """A robot may send anything, in any order and in any pieces; commands are cancelled, links break.
 
 In each case, each command ends within its time limit and has one outcome. No motion is sent
-twice, and a stop is sent first. 60 histories by default, 10,000 with LD90_LONG_TESTS=1.
+twice, and a stop is sent before all other commands. 60 histories by default, 10,000 with
+LD90_LONG_TESTS=1.
 """
 from __future__ import annotations
 

@@ -314,7 +314,7 @@ def test_cancelling_everything_stops_the_drive_of_another_giver_and_tells_it(rob
 
 def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):
     monkeypatch.setitem(SETTLE, DriveCourse.TO_A_PLACE, 1.0)
-    robot.answers[b'goto 12'] = (b'Going to 12',)  # but the status always says Stopped
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # but its status always says Stopped
     with connected_client(robot) as client:
         goto = client.execute('goto 12')
         robot.wait_heard(b'goto 12')
@@ -425,4 +425,4 @@ def _flood(robot: ScriptedRobot, data: bytes, times: int = 400) -> None:
         for _ in range(times):
             robot.send(robot.connections[0], data)
     except OSError:
-        return  # the client drops the robot
+        return  # the client has closed the connection

@@ -1,4 +1,4 @@
-"""A host is tried address by address; a peer is checked: it must be alive and send new data."""
+"""The addresses of a host are tried one by one; a peer must be alive and send new data."""
 from __future__ import annotations
 
 import contextlib
@@ -139,7 +139,7 @@ def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_n
     assert [line.late for line in heard(peer, now)] == [False]
     robot.sendall(lines(*[b'Location: 2 0 0'] * 3))
     assert [line.late for line in heard(peer, now + 10.0)] == [True] * 3
-    robot.sendall(lines(b'Location: 3 0 0'))  # it comes from the buffers of the other side
+    robot.sendall(lines(b'Location: 3 0 0'))  # this line waited in the other side's buffers
     assert [line.late for line in heard(peer, now + 10.001, waited=0.001)] == [True]
     robot.sendall(lines(b'Location: 4 0 0'))
     assert [line.late for line in heard(peer, now + 10.2, waited=0.1)] == [False]

@@ -62,7 +62,7 @@ def test_it_is_stored(bench):
 # --- the doubt ------------------------------------------------------------------------------------
 
 def test_a_drive_that_another_client_stopped_is_doubted_on_its_record_until_its_command_ends(bench):
-    """The record of the other client's stop rules then; the record of the drive is kept aside."""
+    """The memory then has the record of the other client's stop; the drive's is kept aside."""
     goto = driving(bench)
     bench.robot('Stopping')
     assert bench.memory.cause is MotionCause.OTHER_CLIENT

@@ -1,4 +1,4 @@
-"""A robot answers in the order of sending, and another client also drives and stops it.
+"""A robot answers in the order in which commands came. Another client drives and stops it, too.
 
 In addition the link breaks, and the controller is restarted. These statements hold: no program
 drives the robot without knowledge of what the other client did. The published giver is the one that
@@ -24,7 +24,10 @@ PRESSED = 'EStop pressed'
 
 
 class Course(NamedTuple):
-    """The lines with which a drive begins and ends. The last line of each is also the status."""
+    """The lines with which a drive begins and ends.
+
+    The last line of `begins`, and that of `ends`, is also the robot's status.
+    """
 
     begins: Tuple[str, ...]
     ends: Tuple[str, ...]  # empty: the drive does not end by itself
@@ -57,10 +60,10 @@ class RobotAmongOthers:
         self._is_linked = True
         self._status = 'Stopped'
         self._drive = ''  # the drive that the robot carries out
-        self._execution: Optional[Execution] = None  # our command of it; None: not ours, or unknown
-        self._wire: List[str] = []  # commands of ours that the robot has to read
+        self._execution: Optional[Execution] = None  # our command for it; None: unknown or others'
+        self._wire: List[str] = []  # commands of ours that the robot has still to read
         self._seen = 0  # number of commands that were sent
-        self._given: List[Execution] = []  # drives that the robot has to read
+        self._given: List[Execution] = []  # drives that the robot has still to read
         self._givers: Dict[str, Giver] = {}
         self._known = {ROUTE: self.bench.epoch, PERSON: 0}
         self._heard: List[str] = []  # what others did, as far as the controller knows
@@ -84,7 +87,7 @@ class RobotAmongOthers:
                 other = self._givers.setdefault(text, giver)
                 self.is_ambiguous |= text != 'stop' and other != giver  # two givers, one goal
             elif text == 'stop':
-                self._must_stand = not self._unheard  # a drive during the outage is not stopped
+                self._must_stand = not self._unheard  # this stop ends no drive of the outage
                 self.bench.stop_without_link(giver)
 
     def learn(self) -> None:
@@ -150,7 +153,7 @@ class RobotAmongOthers:
             self._say('Stopping', 'Stopped')
 
     def _show(self) -> None:
-        """Sends the status. Unless the robot obeys us, it shows what others did in an outage."""
+        """Sends the status. If the robot does not obey us, it shows others' acts in an outage."""
         last = self.bench.memory.records[-1:]
         is_ours = self._execution if self._drive else last and last[0].kind is RecordKind.STOP
         if not (is_ours or self.bench.memory.stop_owed or self._status == PRESSED):

@@ -1,4 +1,4 @@
-"""No input causes an exception or needs unbounded memory, and a bad line costs no good line.
+"""No input causes an exception or needs unbounded memory, and no good line is lost with a bad one.
 
 1,200 examples by default, 400,000 with LD90_LONG_TESTS=1, divided among the properties.
 """
@@ -248,7 +248,7 @@ def test_a_listener_keeps_the_good_lines(blob, sizes):
             robot.sendall(piece)
         robot.shutdown(socket.SHUT_WR)
         while robot.recv(100):
-            pass  # until the listener has read everything and closed
+            pass  # waits until the listener has read everything and closed
     assert [line for line in received if line in GOOD] == [line for line in said if line in GOOD]
     assert received[-1] == b'Stopped'
 

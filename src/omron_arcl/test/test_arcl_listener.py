@@ -130,7 +130,7 @@ def test_a_line_beyond_all_measure_drops_the_connection(links):
             for _ in range(400):
                 robot.sendall(b'x' * 65536)
         except OSError:
-            pass  # dropped, as it must be
+            pass  # the listener has closed the connection, as it must
         links.wait(lambda link: 'more than' in link.reason, 'the reason')
 
 

@@ -1,4 +1,4 @@
-"""A robot answers in the order of sending; the published fate of each drive is its real fate.
+"""A robot answers in the order in which commands came; the published fate of a drive is true.
 
 An emergency stop or a cancellation may end a command for its giver while the robot has still to
 answer it. The answer to such a command does not count as the answer to a newer command with the

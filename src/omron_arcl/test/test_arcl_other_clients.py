@@ -51,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """Once, a person sent the robot to a point with another client, but the fleet drove it on."""
+    """Once, a person used another client to send the robot to a point. The fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])
@@ -273,7 +273,7 @@ def test_what_others_drove_before_is_theirs_after_an_outage_also_if_it_might_lea
 def test_a_goal_of_a_drive_to_be_answered_first_is_not_on_the_way_to_the_dock(bench):
     bench.drive(ROUTE, 'goto 3')
     bench.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')
-    dock = bench.drive(PERSON, 'dock')  # behind the stop that is owed for the drive
+    dock = bench.drive(PERSON, 'dock')  # comes after the stop that is owed for the drive
     bench.robot('Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped', UNDOCKED, DOCKING)
     assert (dock.result, bench.has_begun(dock), bench.memory.giver) == (None, True, PERSON)
 

@@ -91,7 +91,7 @@ class FakeFleet:
                 if one.shown.state is JobMissionState.ACTIVE and one.shown.robot}
 
     def reach(self, key: Key) -> None:
-        """The robot of an active mission completes its next stop."""
+        """Lets the robot of an active mission complete its next stop."""
         mission = self.missions[key]
         self.driven.append((key, mission.shown.reached))
         reached = mission.shown.reached + 1

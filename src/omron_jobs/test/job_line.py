@@ -48,12 +48,12 @@ class Line:
         return lines
 
     def say(self, line: str) -> List[str]:
-        """The answer to a line of the first client."""
+        """Sends a line of the first client. Returns the answer."""
         self.client.receive(line.encode() + b'\r\n')
         return self.heard()
 
     def exchange(self) -> List[str]:
-        """The lines that the first client gets when the fleet manager handles the messages due."""
+        """Lets the fleet manager handle messages due. Returns the lines for the first client."""
         for message in self.book.due(self.now):
             for key, shown in self.fleet.handle(message):
                 self.server.announce(tell(self.book, key, shown, self.now))

@@ -69,7 +69,7 @@ class ManagerPort:
         self.drives, self.mute = True, False
         self.chunk = 1 << 20                # bytes that are sent at a time
         self.before = b''                   # to be sent before the next answer
-        self.swallowed: Optional[bytes] = None      # lines that begin so are ignored
+        self.swallowed: Optional[bytes] = None      # lines that begin with this are ignored
         self.heard: List[str] = []
         self.logins = 0
         self._server = socket.create_server(('127.0.0.1', 0))

@@ -1,4 +1,4 @@
-"""The orders in which jobs are kept, and the questions about many silent missions."""
+"""The indices of the kept jobs, and the questions about many silent missions."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The client of this package gives jobs to its server, in any order with losses and restarts.
+"""The client of this package gives jobs to its server, with losses and restarts in any order.
 
 Client and server have separate tables of words: a difference between the tables shows here. Each
 job is driven once, and ends in the same state at the client and at the server.

@@ -158,7 +158,7 @@ def test_a_change_of_priority_that_is_lost_or_refused_is_sent_again(line):
     assert line.exchange() == []
     line.fleet.refuses_changes = False
     line.wait(3)
-    assert line.book.due(line.now)[0].act is FleetAct.CHANGE  # and the message is lost
+    assert line.book.due(line.now)[0].act is FleetAct.CHANGE  # this message is lost
     again = Line(line.disk, line.fleet)
     for _ in range(3):
         again.exchange()
@@ -222,7 +222,7 @@ def test_a_pickup_where_a_running_job_drops_off_is_a_swap_for_its_robot(line):
     for key, shown in line.fleet.handle(message):
         line.server.announce(tell(line.book, key, shown, line.now))
     assert line.heard() == []  # the waiting job keeps the name of its robot
-    assert 'linked' not in line.say('queuePickupDropoff y z')[0]  # one robot, one swap
+    assert 'linked' not in line.say('queuePickupDropoff y z')[0]  # a robot can have only one swap
 
 
 def test_there_is_no_swap_before_the_robot_carries_the_load_and_after_a_cancellation(line):

@@ -43,7 +43,7 @@ ROWS: Dict[str, Sequence[str]] = {
         'DROPOFF13 job_id JOB12 successfully queued',
         f'< QueueUpdate: PICKUP12 JOB12 10 Pending None Goal "x" "None" {OPEN} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 Pending ID_PICKUP12 Goal "y" "None" {OPEN} 0 ',
-        '> queuePickupDropoff x z',  # the next pair is JOB14
+        '> queuePickupDropoff x z',  # jobs are numbered by segments: the next one is JOB14
         '< queuepickupdropoff goals "x" and "z" with priorities 10 and 20 ids PICKUP14 and '
         'DROPOFF15 job_id JOB14 successfully queued',
         f'< QueueUpdate: PICKUP14 JOB14 10 Pending None Goal "x" "None" {OPEN} 0 ',
@@ -361,7 +361,7 @@ def test_known_clients_find_their_words(line: Line) -> None:
     line.site.robots = {'r': RobotNews(RobotStatus.AVAILABLE, 'Available')}
     told = line.say('queuePickup x')
     assert [told[0].split(' ')[k] for k in (7, 10)] == ['PICKUP1', 'JOB1']
-    assert len(told[1].split(' ')) == 15 and told[1].split(' ')[13] == '0'  # a client demands 15
+    assert len(told[1].split(' ')) == 15 and told[1].split(' ')[13] == '0'  # a client requires it
     told = line.say('queuePickupDropoff x y')
     assert [told[0].split(' ')[k] for k in (11, 13, 15)] == ['PICKUP2', 'DROPOFF3', 'JOB2']
     told = line.say('queueMulti 1 2 x pickup 3')

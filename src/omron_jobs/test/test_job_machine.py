@@ -66,7 +66,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         self.connect()
 
     def say(self, line: str) -> List[str]:
-        """The replies to a line of the first client."""
+        """Sends a line of the first client. Returns the replies."""
         self.clients[0].receive(line.encode() + b'\n')
         return [told for told in self.hear(self.clients[0]) if not told.startswith('QueueUpdate')]
 

@@ -1,4 +1,4 @@
-"""The missions that are made of jobs: their stops, their goals and the acts of their robots."""
+"""The missions that are made from jobs: their stops, their goals and the acts of their robots."""
 from __future__ import annotations
 
 import math

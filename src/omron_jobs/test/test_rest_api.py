@@ -202,7 +202,7 @@ def test_every_path_of_the_facts_is_answered():
 
 
 REQUEST = ('namekey', 'jobId', 'status', 'assignedJobId', 'audit')
-FIELDS = {  # of each type of records
+FIELDS = {  # the fields of each type of records
     'JobRequest': (*REQUEST, 'defaultPriority', 'details'),
     'Pickup': (*REQUEST, 'goal', 'priority'),
     'Dropoff': (*REQUEST, 'robot', 'goal', 'priority'),
@@ -412,7 +412,7 @@ def test_requests_jobs_and_their_keys_outlive_a_restart():
     assert again.post('/JobRequest', {'namekey': 'own', 'details': [{'pickupGoal': 'x'}]}
                       ).status == 400
     assert len(again.book.jobs) == 1
-    assert again.ask('/Job/UpdatedSince?sinceTime=1005000')  # so a client misses nothing
+    assert again.ask('/Job/UpdatedSince?sinceTime=1005000')  # the job counts as changed
 
 
 def test_cancellations_and_modifications_outlive_a_restart_and_their_keys_count_once():

@@ -26,12 +26,12 @@ _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|route
 
 _TEST = re.compile(r'`((?:[\w/]*/)?(?:test_\w+|\w+_test)(?:\.py)?)`')
 
-# A sentence names its subject. These words do not, except `who` after a noun for people.
+# A sentence must name its subject. These words name none, except `who` after a noun for people.
 _OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'
                            r'every(?:body|one)|whatever)\b', re.IGNORECASE)
 _PEOPLE_WHO = re.compile(r'\b(?:person|people|persons|users?|readers?|engineers?) who\b',
                          re.IGNORECASE)
-# Words of the standard, a question of a robot, and a name that no robot has.
+# Allowed quotations: words of VDA 5050, the prompt of a robot, and an example of a wrong name.
 _QUOTED = ('for whatever reason', 'prompt Who are you?', "'nobody'")
 PROSE = sorted([*DOCUMENTS, *(path for pattern in ('src/*/src/**/*.py', 'src/*/launch/*.launch',
                                                    'src/*/msg/*.msg', 'src/*/srv/*.srv',

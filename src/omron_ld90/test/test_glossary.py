@@ -66,7 +66,7 @@ def identifiers_of(node: ast.AST) -> Iterator[str]:
 
 
 def texts(nodes: List[ast.AST]) -> Iterator[str]:
-    """Yields the texts that are not docstrings. A text that is a statement is a docstring."""
+    """Yields the texts that are not docstrings. A text that forms a statement is a docstring."""
     docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and (
@@ -137,7 +137,8 @@ def test_a_function_is_named_after_an_event_or_an_answer():
     assert {name for name in functions if NO_EVENT.match(name)} == set()
 
 
-# Allowed: taking a robot out, over, up or back, taking an order; `look_of` returns an appearance.
+# Allowed: names such as take_out, take_over, take_back and take_order. `look_of` is allowed because
+# it returns an appearance.
 NO_EVENT = re.compile(
     r'_*(?:takes?(?!_(?:out|over|up|back|away|order)(?:_|$))|tells?|look(?!_of)|see)(?:_|$)')
 

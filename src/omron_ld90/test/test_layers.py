@@ -33,7 +33,7 @@ def layer(ours: str = '', ros: bool = False, sockets: str = '') -> Layer:
     return Layer(frozenset(ours.split()), ros, frozenset(sockets.split()))
 
 
-# each folder of a package is a layer; sockets='*': each module of the layer
+# each folder of a package is a layer; sockets='*': each module may import sockets
 LAYERS: Dict[str, Layer] = {
     # libraries
     'browser_guard': layer(sockets='*'),

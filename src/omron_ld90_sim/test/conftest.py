@@ -1,4 +1,4 @@
-"""Common fixtures of the simulator's tests. Because of this file, tests can import its folder."""
+"""Common fixtures of the simulator's tests. This file also makes its folder importable."""
 from __future__ import annotations
 
 import socket
@@ -11,7 +11,7 @@ from sim_builders import ROOM
 
 @pytest.fixture
 def map_file(tmp_path: Path) -> Path:
-    """A map with a room to drive in."""
+    """Returns a map with a room to drive in."""
     path = tmp_path / 'room.map'
     path.write_text(ROOM)
     return path
@@ -19,7 +19,7 @@ def map_file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def listener() -> Iterator[socket.socket]:
-    """A program that listens: a target of the outgoing connection, or another user of a port."""
+    """Yields a listening socket: the target of the outgoing connection, or the user of a port."""
     with socket.socket() as sock:
         sock.bind(('127.0.0.1', 0))
         sock.listen(4)

@@ -54,12 +54,12 @@ LINES
 
 @lru_cache(maxsize=None)
 def room() -> MapDocument:
-    """A room of 10 x 6 m with a wall in it, a dock, three goals, a route and a macro."""
+    """Returns a room of 10 x 6 m with a wall in it, a dock, three goals, a route and a macro."""
     return MapDocument.from_bytes(ROOM.encode(), name='room.map')
 
 
 def corridor(width: float) -> MapDocument:
-    """A corridor along x, 24 m long and `width` mm wide, with a room of 4 x 6 m at each end."""
+    """Returns a corridor along x, 24 m long and `width` mm wide, with 4 x 6 m rooms at its ends."""
     side = width / 2
     walls = [(-12000, y, 12000, y) for y in (-side, side)]
     for x, end in ((-12000, -16000), (12000, 16000)):
@@ -72,7 +72,7 @@ def corridor(width: float) -> MapDocument:
 
 
 def lonely_floor(*walls: Tuple[float, float, float, float]) -> SimFloor:
-    """A floor of 10 x 8 m with walls around it, and more walls if given."""
+    """Returns a floor of 10 x 8 m with walls around it, and with further `walls`."""
     everything = np.array([[-5000, -4000, 5000, -4000], [-5000, 4000, 5000, 4000],
                            [-5000, -4000, -5000, 4000], [5000, -4000, 5000, 4000], *walls], float)
     return SimFloor(np.empty((0, 2)), everything, np.empty((0, 4)), [], 20, np.empty((0, 2)))
@@ -80,7 +80,7 @@ def lonely_floor(*walls: Tuple[float, float, float, float]) -> SimFloor:
 
 @lru_cache(maxsize=4)
 def floor_of(document: MapDocument) -> SimFloor:
-    """The floor of a map; no test changes it."""
+    """Returns the floor of a map; no test changes it."""
     return SimFloor.from_map(document)
 
 
@@ -100,7 +100,7 @@ class Rig:
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
 
     def client(self) -> Client:
-        """A client that has logged in."""
+        """Returns a client that has logged in."""
         client = Client(self, self.server.connect())
         client.send('adept')
         client.lines()
@@ -108,7 +108,7 @@ class Rig:
 
 
 def fleet(document: MapDocument, *starts: Tuple[float, float, float], seed: int = 0) -> List[Rig]:
-    """Robots that see each other, on one clock."""
+    """Returns robots that see each other and have the same clock."""
     clock = SimClock()
     rigs = [Rig(document, start, seed + number, clock=clock)
             for number, start in enumerate(starts)]
@@ -129,7 +129,9 @@ FAR = 300.0  # mm between two bodies, beyond which an approximate value is enoug
 
 
 def gap(a: SimPose, b: SimPose) -> float:
-    """The gap between two robots' bodies (mm): 0 if they touch, a lower bound if it is large."""
+    """Returns the gap between two robots' bodies (mm): 0 if they touch. If the gap is large, it is
+    a lower bound.
+    """
     apart = a.distance_to(b.x, b.y) - 2.0 * LD90_BODY.half_diagonal
     if apart > FAR:
         return apart
@@ -143,7 +145,7 @@ def gap(a: SimPose, b: SimPose) -> float:
 
 
 def outside(pose: SimPose, points: np.ndarray) -> np.ndarray:
-    """The distance from the body at `pose` to each point (N, 2), in mm; 0 inside."""
+    """Returns the distance (mm) from the body at `pose` to each point (N, 2); 0 inside the body."""
     angle = math.radians(pose.theta)
     delta = points - [pose.x, pose.y]
     ahead = np.abs(delta[:, 0] * math.cos(angle) + delta[:, 1] * math.sin(angle))
@@ -164,7 +166,7 @@ class Client:
             self.session.receive(command.encode() + b'\n')
 
     def lines(self) -> List[str]:
-        """The lines that have arrived since the last call."""
+        """Returns the lines that have arrived since the last call."""
         text = self.session.output.decode()
         self.session.output.clear()
         assert not text or text.endswith('\r\n'), f'an incomplete line: {text!r}'
@@ -211,24 +213,26 @@ class Obstacles:
         self.areas: List[RotatedRectangle] = [o.rectangle for o in document.forbidden_areas]
 
     def forbidden(self, pose: SimPose) -> bool:
-        """True if the turning centre is inside a forbidden area."""
+        """Returns whether the turning centre is inside a forbidden area."""
         centre = np.array([[pose.x, pose.y]])
         return any(area.contains(centre)[0] for area in self.areas)
 
     def distance(self, pose: SimPose) -> float:
-        """The distance from the body's outline to the nearest wall, point or border of an area
-        (mm).
+        """Returns the distance (mm) from the body's outline to the nearest wall, point or border
+        of an area.
         """
         near = self._tree.query_ball_point((pose.x, pose.y), 700.0)
         return float(outside(pose, self._points[near]).min()) if near else 270.0
 
     def clearances(self, places: np.ndarray) -> np.ndarray:
-        """The distance (mm) from each place (N, 2) of the turning centre to the next obstacle."""
+        """Returns the distance (mm) to the nearest obstacle from places (N, 2) of the turning
+        centre.
+        """
         return self._tree.query(places)[0]
 
 
 def goal(document: MapDocument, name: str) -> MapObject:
-    """The goal called `name`."""
+    """Returns the goal called `name`."""
     found = document.find(name)
     assert found is not None, name
     return found

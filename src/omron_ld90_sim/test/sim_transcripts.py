@@ -6,7 +6,7 @@ from typing import List, Sequence
 
 
 def agree(wanted: str, line: str) -> bool:
-    """True if a line is as expected: equal, or a match if `/.../` is given."""
+    """Returns whether a line equals `wanted`, or matches it if `wanted` is `/.../`."""
     if wanted.startswith('/'):
         return re.fullmatch(wanted[1:-1], line) is not None
     return wanted == line

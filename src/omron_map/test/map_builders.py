@@ -89,7 +89,7 @@ Low_DATA
 def map_bytes(points: Iterable[Tuple[int, int]] = (), lines: Sequence[Sequence[int]] = (),
               objects: str = '', groups: str = '', resolution: int = 50,
               category: str = '2D-Map') -> bytes:
-    """A map as the vendor's tools write it, with a header that agrees with its rows."""
+    """Returns a map as the vendor's tools write it, with a header that agrees with its rows."""
     points = sorted(set(points))
     lines = sorted(tuple(line) for line in lines)
     text = [category]
@@ -112,7 +112,10 @@ def _header(prefix: str, what: str, rows: Sequence, ends: Sequence[Sequence[int]
 
 
 def room_bytes(objects: str = OBJECTS, groups: str = GROUPS) -> bytes:
-    """A room of 4 x 2 m from (-1, -1) m, pitch 50 mm: 238 wall points, 4 lines, 10 objects."""
+    """Returns a room of 4 x 2 m, with its lower left corner at (-1, -1) m and a pitch of 50 mm.
+
+    It has 238 wall points, 4 lines and 10 objects.
+    """
     points = [(x, y) for x in range(-1000, 3001, 50) for y in (-1000, 1000)]
     points += [(x, y) for x in (-1000, 3000) for y in range(-950, 1000, 50)]
     lines = [(-1003, -1000, 3002, -1000), (-1000, -1000, -1000, 1000), (-1000, 1000, 3000, 1002),
@@ -129,6 +132,6 @@ def cell() -> MapDocument:
 
 
 def changed_lines(before: bytes, after: bytes) -> Tuple[list, list]:
-    """The lines that only `before` has, and those that only `after` has."""
+    """Returns the lines that only `before` has, and those that only `after` has."""
     old, new = before.splitlines(), after.splitlines()
     return [line for line in old if line not in new], [line for line in new if line not in old]

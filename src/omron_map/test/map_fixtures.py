@@ -19,7 +19,7 @@ GOAL = b'Cairn: Goal 20 20 0.000000 "" ICON "North"\n'
 
 
 def _goal(line: bytes) -> bytes:
-    """The bytes of the map `CELL` with another object instead of its goal."""
+    """Returns the bytes of the map `CELL` with another object instead of its goal."""
     return CELL.replace(GOAL, line + b'\n')
 
 

@@ -15,7 +15,7 @@ from PIL import Image
 
 
 class ServedMap(NamedTuple):
-    """A grid as map_server publishes it: row 0 at the lowest y, metres."""
+    """A grid as map_server publishes it, in metres. Row 0 is at the lowest y."""
 
     cells: np.ndarray
     resolution: float

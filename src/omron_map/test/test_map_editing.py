@@ -20,7 +20,7 @@ from omron_map import (
 
 
 def line_of(document: MapDocument, name: str) -> int:
-    """Line number of the object called `name`."""
+    """Returns the line number of the object called `name`."""
     return next(number for number, record in enumerate(document.records, 1)
                 if record.object is not None and record.object.name == name)
 

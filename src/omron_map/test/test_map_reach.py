@@ -11,7 +11,7 @@ from omron_map.reach import cut_off_homes
 
 def hall(*objects: MapObject, gap: int = 0,
          home: str = '2000 0 0.000000 "" ICON ""') -> MapDocument:
-    """A hall of 10 x 4 m with a wall at x = 5 m, and a door of `gap` mm in it."""
+    """Returns a hall of 10 x 4 m. The wall at x = 5 m has a door of `gap` mm."""
     outer = [(0, -2000, 10000, -2000), (0, -2000, 0, 2000), (0, 2000, 10000, 2000),
              (10000, -2000, 10000, 2000)]
     wall = [(5000, -2000, 5000, -gap // 2), (5000, gap - gap // 2, 5000, 2000)]

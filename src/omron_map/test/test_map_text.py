@@ -11,7 +11,7 @@ ENCODINGS = ['utf-8', 'latin-1']
 
 
 def kitchen(encoding: str) -> MapDocument:
-    """A map with the goal `Küche`, and a route that names it."""
+    """Returns a map with the goal `Küche`, and a route that names it."""
     lines = 'RouteInfo: GoalAfter "Küche"\nCairn: Goal 20 20 0.000000 "für alle" ICON "Küche"\n'
     return MapDocument.from_bytes(CELL.replace(
         b'Cairn: Goal 20 20 0.000000 "" ICON "North"\n', lines.encode(encoding)))

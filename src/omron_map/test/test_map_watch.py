@@ -34,7 +34,7 @@ class Watched:
         self.watcher = MapWatcher(path, settled=2.0, clock=lambda: self.now)
 
     def after(self, *seconds: float) -> list:
-        """The watcher's results of checks that follow each other at these intervals (s)."""
+        """Checks the file after each of these pauses (s). Returns the results."""
         told = []
         for pause in seconds:
             self.now += pause

@@ -28,7 +28,7 @@ def document(points=(), lines=(), objects='', resolution=100) -> MapDocument:
 
 
 def occupied(grid: OccupancyGrid) -> list:
-    """(column, row) of the occupied cells."""
+    """Returns the (column, row) of each occupied cell."""
     return sorted((int(column), int(row)) for row, column in np.argwhere(grid.cells == OCCUPIED))
 
 

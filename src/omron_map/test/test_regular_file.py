@@ -1,4 +1,4 @@
-"""A path that is no regular file, or too large, is refused at once, without its content."""
+"""A file that is not regular, or is too large, is refused at once. The error does not quote it."""
 from __future__ import annotations
 
 import os
@@ -15,7 +15,7 @@ SECRET = 'hunter2-of-the-robot'
 
 
 def refusal(path: str) -> str:
-    """The reason why `path` is not loaded; the test fails if that takes longer than 10 s."""
+    """Returns why `path` is not loaded. Fails if loading takes longer than 10 s."""
     errors = []
 
     def load() -> None:

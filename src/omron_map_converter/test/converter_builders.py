@@ -26,20 +26,23 @@ RouteInfo: GoalAfter "Pick"
 
 
 def map_with(*cairns: str) -> MapDocument:
-    """A map without walls that contains these objects, such as `Goal 1000 2000 0 "" ICON "3"`."""
+    """Returns a map of these objects, such as `Goal 1000 2000 0 "" ICON "3"`, without walls."""
     lines = ''.join(f'Cairn: {cairn}\n' for cairn in cairns)
     return MapDocument.from_bytes(EMPTY_MAP % lines.encode(), 'base.map')
 
 
 def graph_of(vertices: Iterable[Tuple], edges: Iterable[Tuple[int, int]]) -> Graph:
-    """Straight edges, numbered from 1, between vertices (id, x m, y m[, heading degrees])."""
+    """Returns a graph of straight edges, numbered from 1.
+
+    A vertex is (id, x, y[, heading]) in m and degrees. An edge is (origin, destination).
+    """
     return Graph([Vertex(id, x, y, math.radians(heading[0] if heading else 0.0))
                   for id, x, y, *heading in vertices],
                  [Edge(id, *ends) for id, ends in enumerate(edges, 1)])
 
 
 def lab_generator():
-    """The module `maps/make_lab.py`."""
+    """Returns the module `maps/make_lab.py`."""
     spec = importlib.util.spec_from_file_location('make_lab', str(LAB / 'make_lab.py'))
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -47,7 +50,7 @@ def lab_generator():
 
 
 def real_maps() -> list:
-    """Parameters for a test with each real robot's map, which is skipped if there are no maps."""
+    """Returns test parameters: the maps of real robots. Without maps, the test is skipped."""
     paths = sorted(REAL_MAPS.glob('*.map'))
     if not paths:
         reason = f'no real maps in {REAL_MAPS}'

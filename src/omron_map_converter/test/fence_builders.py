@@ -15,7 +15,7 @@ NO_WALLS = np.empty((0, 2))
 
 
 def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> Graph:
-    """A grid of straight edges with `pitch` m between neighbours, turned by `degrees`."""
+    """Returns a grid of straight edges, turned by `degrees`; neighbours are `pitch` m apart."""
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     vertices, ends = [], []
     for row in range(rows):
@@ -28,7 +28,7 @@ def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> G
 
 
 def quarter_turn(radius: float) -> Graph:
-    """Edge 1 is a quarter circle from the origin to the left, between two edges of 4 m."""
+    """Returns a graph. Edge 1 is a quarter circle to the left, between two edges of 4 m."""
     # control length of the Bezier curve of that circle
     reach = radius * 4.0 / 3.0 * math.tan(math.pi / 8.0)
     return Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, radius, radius, math.pi / 2.0),
@@ -38,19 +38,19 @@ def quarter_turn(radius: float) -> Graph:
 
 def fenced(graph: Graph, walls: np.ndarray = NO_WALLS, kind: Fences = Fences.AREAS,
            rules: Optional[CorridorRules] = None) -> Tuple[Corridors, List[MapObject]]:
-    """The corridors of a graph, and the fences around them in the form of a map."""
+    """Returns the corridors of a graph, and the fences around them as map objects."""
     corridors = corridors_of(graph, rules or CorridorRules())
     return corridors, fence_objects(corridors.floor, walls, kind)
 
 
 def wall(x1: float, y1: float, x2: float, y2: float) -> np.ndarray:
-    """Points (N,2) every 20 mm from end to end."""
+    """Returns points (N,2) of a wall, one every 20 mm from end to end."""
     count = int(math.hypot(x2 - x1, y2 - y1) / 20.0) + 1
     return np.column_stack((np.linspace(x1, x2, count), np.linspace(y1, y2, count)))
 
 
 def real_site_graph() -> Graph:
-    """A graph drawn on the real map `omron-ld-site-a`: corridors of 1.2 m, halls, a diagonal."""
+    """Returns a graph for the real map `omron-ld-site-a`: corridors of 1.2 m, halls, a diagonal."""
     places = {1: (-5.0, -0.8), 2: (7.7, -0.8), 3: (7.7, 1.0), 4: (7.7, 8.65), 5: (14.0, 8.65),
               6: (5.0, 1.6), 7: (2.6, 2.2), 8: (15.2, 0.9), 9: (17.5, 0.6), 10: (17.6, 2.6),
               11: (21.6, 0.7), 12: (23.9, -2.6), 13: (14.4, -0.75)}

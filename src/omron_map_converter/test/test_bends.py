@@ -20,14 +20,18 @@ LENGTH, WIDTH = 699.0, 500.0  # of the robot, mm
 
 
 def arc(radius, degrees):
-    """End, end heading and control length of the Bezier curve of an arc to the left from 0, 0."""
+    """Describes a Bezier curve: an arc to the left from 0, 0. Returns x and y of its end, its end
+    heading, and its control length.
+    """
     turn = math.radians(degrees)
     return (radius * math.sin(turn), radius * (1.0 - math.cos(turn)), turn,
             radius * 4.0 / 3.0 * math.tan(turn / 4.0))
 
 
 def corner_and_arc(corner, radius, degrees):
-    """Edge 1 is straight, and meets edge 2, an arc, in a corner at 0, 0. Edge 3 follows edge 2."""
+    """Returns a graph. Its straight edge 1 and its edge 2, an arc, meet in a corner at 0, 0. Edge 3
+    follows edge 2.
+    """
     x, y, turn, reach = arc(radius, degrees)
     back = math.radians(180.0 - corner)
     ahead = (x + 3.0 * math.cos(turn), y + 3.0 * math.sin(turn))
@@ -97,7 +101,8 @@ def test_a_robot_that_turns_on_a_corner_and_a_curve_keeps_its_body_on_the_floor(
 
 
 def poses(graph, route):
-    """x, y (mm), heading (rad) of a robot that drives the edges and turns on the vertices."""
+    """Yields x, y (mm) and heading (rad) of a robot that drives a route and turns on its vertices.
+    """
     before = None
     for edge in route:
         curve = graph.curve(edge)
@@ -112,7 +117,7 @@ def poses(graph, route):
 
 
 def body(x, y, heading):
-    """The robot's outline."""
+    """Returns the robot's outline."""
     c, s = math.cos(heading), math.sin(heading)
     return Polygon([(x + c * u - s * v, y + s * u + c * v) for u, v in (
         (LENGTH / 2, WIDTH / 2), (-LENGTH / 2, WIDTH / 2), (-LENGTH / 2, -WIDTH / 2),

@@ -38,7 +38,9 @@ class Made(NamedTuple):
 
 @pytest.fixture(scope='module')
 def made(tmp_path_factory) -> Made:
-    """The laboratory's map with fences as areas, made once because the fences take seconds."""
+    """Returns the laboratory's map with fences as areas. It is made once, because this takes
+    seconds.
+    """
     folder = tmp_path_factory.mktemp('made')
     output, picture = folder / 'out.map', folder / 'out.png'
     out, err = io.StringIO(), io.StringIO()

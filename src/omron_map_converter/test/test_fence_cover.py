@@ -117,7 +117,7 @@ def test_a_bend_in_a_curve_is_closed_around_its_disc(width, kind):
 
 
 def tangle(seed: int) -> Graph:
-    """A random graph: edges cross, run side by side, and turn sharply."""
+    """Returns a random graph: edges cross, run side by side, and turn sharply."""
     dice = random.Random(seed)
     places = {(dice.randrange(120), dice.randrange(120)) for _ in range(dice.randint(3, 9))}
     vertices = [Vertex(id, x / 10, y / 10, math.radians(dice.randrange(0, 360, 15)))

@@ -25,7 +25,7 @@ DOCKED = ConversionOptions(dock_vertex=3)
 
 
 def did(added=()):
-    """The result of a conversion that added these objects and did nothing else."""
+    """Returns the result of a conversion that added these objects and did nothing else."""
     return Conversion((), (), tuple(added), (), (), corridors_of(GRAPH, CorridorRules()))
 
 

@@ -586,7 +586,10 @@ def _text(edges: Iterable[Edge]) -> str:
 
 
 def without_route(vehicle: Vehicle) -> Vehicle:
-    """The vehicle after it lost its route: it comes to rest on its present edge or the next one."""
+    """Returns the vehicle after it lost its route.
+
+    The vehicle comes to rest on its present edge or the next one.
+    """
     if vehicle.edge is None:
         return vehicle._replace(route=(), rolling=(), giver=NOBODY)
     return vehicle._replace(route=(), rolling=(vehicle.route or vehicle.rolling)[:2])
@@ -605,7 +608,10 @@ def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
 
 
 def drive(vehicle: Vehicle) -> Vehicle:
-    """The vehicle after half an edge more. The record omits edges on which it only rolls."""
+    """Returns the vehicle after it has driven another half edge.
+
+    The record omits edges on which the vehicle only rolls.
+    """
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
         return vehicle._replace(edge=edges[0], place=None)
@@ -633,7 +639,7 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether the vehicle, by its report, may obey an order that the journal lacks.
+    """Returns whether a report says that the vehicle may obey an order that the journal lacks.
 
     A vehicle that has taken a newer order does not obey the order that the journal lacks.
     """

@@ -39,7 +39,7 @@ Reading = Callable[[values.RouteReport, real.MasterState], values.RouteReport]
 
 
 def number_of(edge: Edge) -> int:
-    """The signed id that stands for an edge of the model."""
+    """Returns the signed id that stands for an edge of the model."""
     return (edge.label * _BASE + edge.origin) * _BASE + edge.destination
 
 
@@ -131,7 +131,7 @@ class WithRealMaster(Model):
 
 
 def as_sent(said: Report, state: real.MasterState) -> values.RouteReport:
-    """The model's report in the form in which a vehicle sends it.
+    """Returns the model's report in the form in which a vehicle sends it.
 
     The model's report lacks the edges of the order that it shows. The master's state has them.
     """
@@ -216,7 +216,9 @@ READINGS: Dict[str, Tuple[Reading, str]] = {
 
 
 def flaw_of(model: Model, bounds: str, live: bool = False) -> str:
-    """The flaw that a search within the bounds finds. A report that the master refuses is a flaw.
+    """Searches within the bounds. Returns the flaw that the search finds.
+
+    A report that the master refuses is also a flaw.
     """
     try:
         return model.search(BOUNDS[bounds], MOST, live).flaw

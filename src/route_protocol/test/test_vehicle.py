@@ -34,7 +34,7 @@ WHY = Reason(ReasonCode.NO_PROGRESS, 'no progress')
 
 
 def vehicle() -> Vehicle:
-    """A vehicle whose epochs are 1, 2, 3, and whose clock stands still."""
+    """Returns a vehicle whose epochs are 1, 2, 3 ..., and whose clock stands still."""
     return Vehicle(count(1).__next__, lambda: 1000)
 
 
@@ -44,7 +44,7 @@ def order(number: int, *edges: int, first: int = 0, epoch: int = 1,
 
 
 def took(*orders: RouteOrder) -> Vehicle:
-    """A vehicle that has taken these orders."""
+    """Returns a vehicle that has taken these orders."""
     its = vehicle()
     for one in orders:
         obey(its, one)
@@ -52,7 +52,10 @@ def took(*orders: RouteOrder) -> Vehicle:
 
 
 def obey(its: Vehicle, given: RouteOrder, willing: bool = True) -> Answer:
-    """The answer of the vehicle to an order; if not `willing`, the vehicle refuses a route."""
+    """Gives an order to the vehicle. Returns its answer.
+
+    willing -- False: the vehicle refuses any route
+    """
     judgement = its.judge(given)
     if judgement.answer is Answer.STOP:
         its.stop(given)
@@ -334,7 +337,9 @@ class Pair:
         return self.edges[label]
 
     def new_order(self) -> model.Order:
-        """An order that begins at the present place, or has a wrong start, number or epoch."""
+        """Returns an order that begins at the present place, or has a wrong start, record number or
+        epoch.
+        """
         its, random = self.model, self.random
         master = random.choice((model.ME, model.ME, model.ME, model.OTHER))
         self.numbers[master] += random.randint(1, 2)
@@ -364,7 +369,7 @@ class Pair:
         judgement = self.real.judge(real)
         if (before.edge is None and given.first <= before.done <= real.end
                 and judgement.reason.code is ReasonCode.WRONG_CHANGE):
-            willing = False  # the real vehicle does not turn off at a vertex that it passes
+            willing = False  # while it passes a vertex, the real vehicle keeps its route
         self.model = self.rules.obey(before, given, willing)
         fits = willing and not before.rolling
         if judgement.answer is Answer.ROUTE and fits:
@@ -379,7 +384,7 @@ class Pair:
                 self.real.complete(self.model.done - self.real.state.first)
 
     def lose_route(self, cause: Optional[EpochCause]) -> None:
-        """The route fails; if there is a cause, a new epoch begins."""
+        """Makes the route fail. If there is a cause, begins a new epoch."""
         if cause is None:
             if self.model.route:
                 self.model = model.without_route(self.model)._replace(failed=True)

@@ -1,4 +1,5 @@
-"""Random edits of a draft, for tests: an edit is an operation's name and numbers for its details.
+"""Random edits of a draft, for tests. An edit is the name of an operation, and numbers that choose
+its arguments.
 """
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ EDIT_LISTS = st.lists(st.tuples(st.sampled_from(sorted(EDITS)), st.integers(0, 9
 
 
 def edited(draft: Draft, edit: tuple) -> Draft:
-    """The draft after one random edit; the same draft if the edit is refused."""
+    """Returns the draft after one random edit; the same draft if the edit is refused."""
     name, first, second, x, y = edit
     vertex, other = _pick(draft.vertices, first), _pick(draft.vertices, second)
     try:

@@ -50,8 +50,9 @@ def test_what_the_graph_does_not_have_is_named_as_it_is():
         'edge -99', 'edge -99 at 50 %', 'vertex 99')
 
 
+# sections 4 and 5 of edge 9: they end at the same vertex, or they are a ring
 @pytest.mark.parametrize('edges', [
-    [Edge(4, 1, 2, section_of=9), Edge(5, 3, 2, section_of=9)],  # no chain from end to end
+    [Edge(4, 1, 2, section_of=9), Edge(5, 3, 2, section_of=9)],  # no chain
     [Edge(4, 1, 2, section_of=9), Edge(5, 2, 1, section_of=9), Edge(6, 2, 3)]])  # a ring
 def test_sections_that_a_person_has_edited_still_have_a_name(edges):
     graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 1.0, 0.0, 0.0), Vertex(3, 2.0, 0.0, 0.0)],

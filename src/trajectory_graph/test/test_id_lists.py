@@ -10,7 +10,8 @@ from trajectory_graph.id_lists import MOST, listed
 
 SOURCES = Path(__file__).resolve().parents[2]
 JOINED = re.compile(r'''join\(map\(str|\{(list|tuple|sorted)\([^(]*\)\}''')
-#: Output that a person has requested, files of the program itself, and tests.
+#: Parts of paths. These files may list all ids: they write what a person has requested, the
+#: program's own files, or tests.
 COMPLETE = ('/commands/', 'fleet_simulation/', 'omron_map/', 'omron_ld90_sim/', 'graph_editor/',
             'vda5050_bench/', '/journal.py', '/history.py', 'fleet_page/', 'fleet_bringup/')
 

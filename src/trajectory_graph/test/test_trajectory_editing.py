@@ -15,7 +15,7 @@ from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 
 def square() -> Draft:
-    """Four vertices in a square of 4 m, joined in a ring; the edge from 2 to 3 is a spline."""
+    """Returns a ring of four vertices in a square of 4 m; the edge from 2 to 3 is a spline."""
     places = {1: (0.0, 0.0), 2: (4.0, 0.0), 3: (4.0, 4.0), 4: (0.0, 4.0)}
     vertices = [Vertex(id, x, y, (id - 1) * math.pi / 2.0, label='pass', frame_id='map/test')
                 for id, (x, y) in places.items()]

@@ -1,4 +1,7 @@
-"""Another program names a graph file: only regular files are read, and errors quote no content."""
+"""A graph file whose name comes from another program is read safely.
+
+Only regular files are read, and error messages quote nothing from a file.
+"""
 from __future__ import annotations
 
 import os
@@ -12,7 +15,7 @@ SECRET = 'hunter2'
 
 
 def refusal(path: str) -> str:
-    """The reason why `path` is not loaded; the test fails if that takes longer than 10 s."""
+    """Returns why `path` is not loaded; fails if the answer takes longer than 10 s."""
     errors = []
 
     def load() -> None:

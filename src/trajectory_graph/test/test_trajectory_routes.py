@@ -35,7 +35,7 @@ def test_an_unknown_edge_is_named_before_any_gap():
 
 @st.composite
 def walks(draw):
-    """A random continuous route over the graph."""
+    """Draws a random continuous route over the graph."""
     graph = dissertation_graph()
     at, route = 1, []
     for _ in range(draw(st.integers(1, 12))):

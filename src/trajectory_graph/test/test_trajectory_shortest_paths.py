@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and no path with one more edge is a shorter one."""
+"""Shortest paths are routes that can be driven, and no detour over one more edge is shorter."""
 from __future__ import annotations
 
 import pytest
@@ -40,7 +40,7 @@ def test_where_no_path_leads_the_route_is_refused():
 
 @st.composite
 def graphs(draw: st.DrawFn) -> Graph:
-    """Connected graphs of up to eight vertices."""
+    """Draws connected graphs of up to eight vertices."""
     places = draw(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=2, max_size=8,
                            unique=True))
     ends = {k: (draw(st.integers(1, k)), k + 1) for k in range(1, len(places))}

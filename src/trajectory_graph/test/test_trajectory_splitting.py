@@ -49,7 +49,7 @@ def _turning_on_the_spot(ahead, behind):
 def test_sections_lie_on_the_old_curve_and_keep_its_length_and_speeds(graph, longest):
     old, split = graph.curve(5), split_edges(graph, longest)
     lengths = [split.curve(e).length for e in split.edges]
-    assert sum(lengths) == pytest.approx(old.length, rel=1e-6, abs=1e-4)  # near a cusp, 0.01 mm
+    assert sum(lengths) == pytest.approx(old.length, rel=1e-6, abs=1e-4)  # cusps: 0.01 mm
     assert max(lengths) <= longest * (1 + 1e-6)
     assert max(lengths) - min(lengths) <= 1e-6 * old.length
     for id, edge in split.edges.items():

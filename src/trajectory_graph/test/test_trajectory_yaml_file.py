@@ -17,7 +17,7 @@ GOOD = f'Edges:\n{EDGE}{VERTICES}'
 
 @pytest.fixture
 def refused(tmp_path):
-    """A function that loads a text as a graph file and returns the message of the refusal."""
+    """Returns a function that loads a text as a graph file and returns the error message."""
     def load(text):
         file = tmp_path / 'graph.yaml'
         file.write_bytes(text if isinstance(text, bytes) else text.encode())

@@ -22,13 +22,16 @@ BLINK = SlowAction('blink')
 
 
 def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
-    """The verdicts on a toy vehicle with defects."""
+    """Returns the verdicts on a toy vehicle with these defects."""
     vehicle = ToyVehicle(*defects, version=version)
     return list(tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version))
 
 
 def found(verdicts: List[Verdict], *outcomes: RuleOutcome) -> Dict[str, str]:
-    """The observations about rules with one of these outcomes, by the sentence of the rule."""
+    """Returns what the bench observed for each rule with one of these outcomes.
+
+    The key is the sentence of the rule.
+    """
     return {verdict.rule.sentence: verdict.text for verdict in verdicts
             if verdict.outcome in outcomes}
 

@@ -26,7 +26,7 @@ Json = Dict[str, Any]
 
 
 class Refused(Exception):
-    """An order is refused: error type and references."""
+    """The refusal of an order: the type and the references of the error."""
 
     def __init__(self, kind: str, **references: Any) -> None:
         super().__init__(kind)
@@ -61,7 +61,7 @@ class ToyVehicle:
         self._told_at = 0.0
 
     def wrong(self, defect: str) -> bool:
-        """Whether the vehicle has this defect."""
+        """Returns whether the vehicle has this defect."""
         return defect in self.defects
 
     # --- messages of the vehicle ------------------------------------------------------------------
@@ -126,11 +126,11 @@ class ToyVehicle:
 
     @property
     def is_dead(self) -> bool:
-        """Whether it has crashed and has not started again yet."""
+        """Whether the vehicle has crashed and has not started again yet."""
         return self.now < self._revives_at
 
     def publish_will(self) -> None:
-        """The broker publishes the last will."""
+        """Publishes the last will in place of the broker."""
         self.send('connection', json.dumps({
             'headerId': 0, 'timestamp': '2026-01-01T00:00:00.000Z', 'version': self.version,
             'manufacturer': 'Toy', 'serialNumber': '1',

@@ -85,8 +85,7 @@ class Ends:
 
 
 def listen(port, topic, name='listener'):
-    """A queue of the messages (payload, retained) of a topic, and the client that subscribed to
-    it.
+    """Subscribes to a topic; returns a queue of its messages (payload, retained), and the client.
     """
     heard: queue.Queue = queue.Queue()
     subscribed: queue.Queue = queue.Queue()
@@ -146,7 +145,7 @@ def test_a_retained_order_is_told_apart(start_broker):
     ends = Ends(Broker('127.0.0.1', broker.port))
     ends.changed()
     assert ends.received.get(timeout=20.0) == ('order', b'old', True)
-    client.publish(f'{PREFIX}/order', b'', 1, True)  # the broker must forget it
+    client.publish(f'{PREFIX}/order', b'', 1, True)  # deletes the retained message
     client.publish(f'{PREFIX}/order', b'new', 0)
     assert ends.received.get(timeout=20.0) == ('order', b'new', False)
     client.loop_stop()

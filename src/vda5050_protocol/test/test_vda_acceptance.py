@@ -20,7 +20,7 @@ def order(order_id, update, start):
 
 
 def expected(is_new, busy, near, update, start, cancelled):
-    """The result in the figure of 2.1.0, read question by question."""
+    """Returns the result in the figure of 2.1.0, with the questions in its order."""
     if is_new:
         if busy:
             return 'orderError'
@@ -37,7 +37,7 @@ def expected(is_new, busy, near, update, start, cancelled):
 
 
 def expected_in_3(is_new, busy, near, update, start, cancelled):
-    """The result in the figure of 3.0.0.
+    """Returns the result in the figure of 3.0.0.
 
     This figure also demands orderUpdateId 0, and checks for a cancellation before a copy.
     """

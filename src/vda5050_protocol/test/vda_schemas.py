@@ -29,7 +29,7 @@ def _schema(version: str, topic: str) -> Optional[Dict[str, Any]]:
 
 
 def validator(version: str, topic: str) -> Optional[Draft7Validator]:
-    """The validator of a topic's messages; None if the version has no schema for it.
+    """Returns the validator of a topic's messages; None if the version has no schema for it.
 
     The schemas of 3.0 name a later draft, but use only keywords of draft 7.
     """
@@ -41,7 +41,7 @@ def validator(version: str, topic: str) -> Optional[Draft7Validator]:
 
 
 def problems(version: str, topic: str, message: Dict[str, Any]) -> Tuple[str, ...]:
-    """The errors of a message, and the keys of the message that the schema does not have."""
+    """Returns the errors of a message, and its keys that the schema does not have."""
     schema, found = _schema(version, topic), validator(version, topic)
     if schema is None or found is None:
         return ()
@@ -51,7 +51,7 @@ def problems(version: str, topic: str, message: Dict[str, Any]) -> Tuple[str, ..
 
 
 def paths(version: str, topic: str) -> Iterator[str]:
-    """The paths of all fields of a message, such as `nodes.nodePosition.theta`."""
+    """Yields the paths of all fields of a message, such as `nodes.nodePosition.theta`."""
     schema = _schema(version, topic)
     if schema is not None:
         yield from _paths(schema, schema, '')

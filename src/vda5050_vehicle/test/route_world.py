@@ -48,7 +48,7 @@ _REFUSED = Reason(ReasonCode.OTHER, 'no')
 
 @lru_cache(maxsize=None)
 def line() -> Graph:
-    """The graph of all places."""
+    """Returns the graph of all places."""
     return Graph([Vertex(k + 1, LENGTH * k, 0.0, 0.0) for k in range(LAST + 1)],
                  [Edge(k, k, k + 1, velocity_forward=1.0, velocity_backwards=1.0)
                   for k in range(1, LAST + 1)])
@@ -112,7 +112,7 @@ class Desk(NamedTuple):
         return self.passed < self.released or self.cancels
 
     def leg(self, number: int) -> Optional[Leg]:
-        """The leg of this number if it is released and not driven, as in `DriverMemory`."""
+        """Returns the leg of this number if it is released and not driven; see `DriverMemory`."""
         if not self.passed <= number < self.released:
             return None
         edge = self.start + number + 1
@@ -120,9 +120,10 @@ class Desk(NamedTuple):
 
 
 class World(NamedTuple):
-    """One state.
+    """One state of the model.
 
-    drive, desk  -- the adapter's memory; `heard`: the robot has reported since it began
+    drive, desk  -- the adapter's memory
+    heard        -- whether the robot has reported since the adapter started
     older        -- an older journal with which the adapter may restart
     orders       -- all orders that were sent, each with its VDA order; each may arrive at any time
     reports      -- all reports that were sent; each may arrive at any time
@@ -146,17 +147,17 @@ class World(NamedTuple):
     left: Tuple[Tuple[str, int], ...]
 
     def may(self, what: str) -> bool:
-        """Whether this event may still happen."""
+        """Returns whether this event may still happen."""
         return dict(self.left).get(what, 0) > 0
 
     def less(self, what: str) -> World:
-        """The state in which this event may happen one time less."""
+        """Returns the state in which this event may happen one time less."""
         return self._replace(left=tuple((name, number - (name == what))
                                         for name, number in self.left))
 
 
 class Flaw(Exception):
-    """A property does not hold."""
+    """A property that does not hold."""
 
 
 class _Memory:
@@ -167,7 +168,7 @@ class _Memory:
         self.desk = Desk()
 
     def leg(self, number: int) -> Optional[Leg]:
-        """The leg of this number if it is released and not driven, as in `DriverMemory`."""
+        """Returns the leg of this number if it is released and not driven; see `DriverMemory`."""
         return self.desk.leg(number)
 
 
@@ -196,7 +197,10 @@ class RouteWorld:
         self._sent: Tuple[Order, ...] = ()
 
     def first(self, bounds: Dict[str, int], is_new: bool = False) -> World:
-        """The first state: the robot has taken a stop of the adapter, or both ends are new."""
+        """Returns the first state of a search.
+
+        Either the robot has taken a stop of the adapter, or (`is_new`) both ends are new.
+        """
         drive = self._new_memory(1)
         left = tuple(sorted(bounds.items()))
         world = World(drive, Desk(), False, (drive, Desk()), Robot(VehicleState(1)), frozenset(),
@@ -226,7 +230,7 @@ class RouteWorld:
         return driver
 
     def _settled(self, world: World) -> World:
-        """The state after the steps of the vehicle that follow each event (see `core.vehicle`)."""
+        """Returns the state after the steps that follow each event (see `core.vehicle`)."""
         driver, memory = self._driver, self._memory
         desk, over = memory.desk, world.over
         desk = desk._replace(passed=max(desk.passed, min(memory.drive.passed, desk.released)))
@@ -293,13 +297,16 @@ class RouteWorld:
                 older=(world.drive, world.desk))
 
     def _new_order(self, world: World) -> Iterator[Tuple[str, World]]:
-        """A new VDA order begins where the robot is, perhaps in the middle of an edge."""
+        """Yields the state after a new VDA order that begins where the robot is.
+
+        The robot may be in the middle of an edge.
+        """
         start = world.robot.place // 2
         if start < LAST:
             yield 'order', self.ordered(world.less('order'), start)
 
     def ordered(self, world: World, start: int) -> World:
-        """The state after a VDA order of one edge."""
+        """Returns the state after a VDA order of one edge."""
         driver = self._load(world)
         name = 1 + max([world.desk.name, *world.over, *(name for _, name in world.orders)])
         self._memory.desk = Desk(name, start, 1, epoch=world.desk.epoch)
@@ -308,7 +315,7 @@ class RouteWorld:
         return self._settled(world._replace(overruled=False))
 
     def cancelled(self, world: World) -> World:
-        """The state after cancelOrder."""
+        """Returns the state after cancelOrder."""
         driver, drive = self._load(world), world.drive
         self._memory.desk = world.desk._replace(cancels=True)
         if not (drive.in_order and drive.stands):
@@ -356,7 +363,10 @@ class RouteWorld:
         return protocol.Vehicle(lambda: epochs + 1, lambda: reports + 1, world.robot.state)
 
     def _after(self, world: World, end: protocol.Vehicle, **changes: object) -> World:
-        """The state after a change of `end`; a robot that lost its route may roll on."""
+        """Returns the state after a change of the robot's end of the protocol.
+
+        A robot that lost its route may roll on.
+        """
         robot, orders, epochs, reports = (world.robot, *world.drawn)
         rolls = robot.rolls
         if robot.state.is_running and not end.state.is_running:
@@ -366,7 +376,7 @@ class RouteWorld:
             orders, max(epochs, end.state.epoch), max(reports, end.state.report)))
 
     def reported(self, world: World) -> World:
-        """The state after the robot has reported."""
+        """Returns the state after the robot has reported."""
         robot, end = world.robot, self._end(world)
         report = end.report(0, robot.pose, VehicleLocation(LENGTH * robot.place / 2.0, 0.0, 0.0),
                             robot.motion)
@@ -374,7 +384,7 @@ class RouteWorld:
 
     def arrived(self, world: World, order: Order, refusal: Optional[Reason] = None,
                 master: str = ME) -> World:
-        """The state after an order has arrived at the robot."""
+        """Returns the state after an order has arrived at the robot."""
         end, robot, given = self._end(world), world.robot, order.sent_by(master)
         judgement = end.judge(given)
         if judgement.answer is Answer.STOP:
@@ -393,7 +403,7 @@ class RouteWorld:
         return self._after(world, end)
 
     def driven(self, world: World) -> World:
-        """The state after the robot has driven half an edge."""
+        """Returns the state after the robot has driven half an edge."""
         robot, end = world.robot, self._end(world)
         edge = robot.state.ahead[0]
         if robot.place % 2:
@@ -445,7 +455,7 @@ class RouteWorld:
     # --- the search -------------------------------------------------------------------------------
 
     def following(self, world: World) -> Iterator[Tuple[str, World]]:
-        """All states that follow this one."""
+        """Yields all states that follow this one."""
         yield from self._adapter(world)
         yield from self._robot(world)
 
@@ -519,12 +529,12 @@ class RouteWorld:
 
 
 def _end_of(edge: int) -> int:
-    """The place at the end of an edge."""
+    """Returns the place at the end of an edge."""
     return 2 * edge if edge > 0 else 2 * (-edge - 1)
 
 
 def _why_not(robot: Robot, rest: Tuple[int, ...]) -> Optional[Reason]:
-    """Why the robot cannot drive these edges; None: it can."""
+    """Returns the reason why the robot cannot drive these edges; None: it can."""
     if robot.moved:
         return TAKEN_OVER
     starts = {2 * abs(rest[0]) - 1, _end_of(-rest[0])} if rest else {robot.place}
@@ -532,7 +542,7 @@ def _why_not(robot: Robot, rest: Tuple[int, ...]) -> Optional[Reason]:
 
 
 def _rolled(robot: Robot) -> Robot:
-    """The robot after it has rolled on by half an edge."""
+    """Returns the robot after it has rolled on by half an edge."""
     edge = robot.rolls[0]
     if robot.place % 2:
         return robot._replace(place=_end_of(edge), rolls=robot.rolls[1:])

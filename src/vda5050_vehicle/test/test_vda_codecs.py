@@ -39,7 +39,7 @@ from vda5050_vehicle.core.state_report import state_of
 
 
 def busy_lab(codec) -> Lab:
-    """A vehicle with everything in its state: base, horizon, actions, errors, pose."""
+    """Returns a vehicle whose state has everything: base, horizon, actions, errors, pose."""
     lab = Lab(codec=codec)
     lab.order({'orderId': 'broken'})
     lab.order(way(8, 10, 12, 14, 32).order('o', base=3, actions={
@@ -85,7 +85,7 @@ HEADER_KEYS = ('headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber
 
 
 def is_read(record, path):
-    """Whether a path of JSON keys leads to a field of the record, or into a free JSON value."""
+    """Returns whether a path of JSON keys leads to a field, or into a value of any JSON type."""
     kind = record
     for key in path.split('.'):
         kind = getattr(kind, 'kind', kind) if isinstance(kind, ListOf) else kind
@@ -127,7 +127,7 @@ OPTIONAL = {
 
 
 def with_null(order, path):
-    """The order with null in the field that a JSON path names, in each element of its lists."""
+    """Sets a field of the order to null, in each element of the lists on its JSON path."""
     *parents, key = path.split('.')
     holders = [order]
     for parent in parents:
@@ -317,14 +317,14 @@ def test_the_factsheet_leaves_out_what_is_refused():
 
 
 def factsheet(version, longest=None):
-    """The factsheet on the wire."""
+    """Returns the factsheet as it is sent."""
     message = sheet.factsheet(vehicle_document(), Lab().vehicle.context.table, longest)
     return CODECS[version].write('factsheet', Headers(version, 'OMRON', 'lab', lambda: 1e9).make(
         'factsheet'), message)
 
 
 def supported(version):
-    """The optional parameters of the factsheet."""
+    """Returns the optional parameters of the factsheet."""
     return [line['parameter'] for line in
             factsheet(version)['protocolFeatures']['optionalParameters']]
 

@@ -21,7 +21,7 @@ def driven(lab, order):
 
 
 def there_and_back():
-    """A vehicle that has driven two orders and stands where the first order begins."""
+    """Returns a vehicle that has driven two orders and stands where the first order begins."""
     lab = Lab(at=8)
     first = driven(lab, way(8, 10).order('there', actions={'8': [say('a')]}))
     driven(lab, way(10, 8).order('back'))

@@ -13,7 +13,7 @@ HALL = way(8, 10, 12, 14, 32)
 
 
 def failed(reason: str = 'no progress for 30 s') -> Lab:
-    """A vehicle whose route failed after one edge."""
+    """Returns a vehicle whose route failed after one edge."""
     lab = Lab()
     lab.order(HALL.order('o', base=4))
     lab.drive(1)

@@ -31,8 +31,9 @@ class Pair:
         self._told = 0
 
     def ask(self, name: str, *arguments: Any) -> List[str]:
-        """The master acts, and its messages reach the vehicle. Returns the errors that the master
-        found.
+        """Lets the master act, and gives its messages to the vehicle.
+
+        Returns the errors that the master found.
         """
         assert self._master.stdin and self._master.stdout
         print(json.dumps([name, *arguments]), file=self._master.stdin, flush=True)
@@ -43,8 +44,9 @@ class Pair:
         return wrong
 
     def tell(self) -> List[str]:
-        """The master reads the new states of the vehicle. Returns the errors that the master
-        found.
+        """Gives the new states of the vehicle to the master.
+
+        Returns the errors that the master found.
         """
         new, self._told = self.vehicle.states[self._told:], len(self.vehicle.states)
         return [wrong for state in new for wrong in self.ask('receive', 'state', state)]

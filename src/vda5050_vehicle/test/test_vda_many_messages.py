@@ -14,7 +14,7 @@ MANY = 300
 
 
 def messages(kind, number, **parameters):
-    """Messages with one instant action each, followed by a message with a stop."""
+    """Returns messages with one instant action each, and after them a message with a stop."""
     found = [payload({'actions': [action(kind, f'a{i}', **parameters)]}, 100 + i)
              for i in range(number)]
     return [('instantActions', message) for message in (

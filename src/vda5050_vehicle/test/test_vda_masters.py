@@ -55,7 +55,11 @@ NULLS_OF_AN_EDGE = dict.fromkeys((
 
 def elements(names: Sequence[str], first: int, released: int, node: Dict[str, Any],
              edge: Dict[str, Any]) -> Dict[str, Any]:
-    """Nodes and edges from vertex number `first` on; each gets the keys of `node` or `edge`."""
+    """Returns the nodes and edges of an order, from vertex number `first` on.
+
+    node -- keys that each position of a node gets
+    edge -- keys that each edge gets
+    """
     places = [lab().vertex(vertex).position for vertex in VERTICES]
     return {
         'nodes': [{'nodeId': names[i], 'sequenceId': 2 * i, 'released': i < released, 'actions': [],

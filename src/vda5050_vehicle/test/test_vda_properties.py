@@ -37,7 +37,7 @@ class RandomMaster(RuleBasedStateMachine):
         self.released = set()      # (order id, sequence id of the edge, signed edge)
         self.sent = []  # accepted orders, and their messages
         self.started = Counter()
-        self.ended = {}  # entries, by the id of the action
+        self.ended = {}  # for each id of an ended action, its entry in the state
         self.actions = 0
 
     @initialize()
@@ -75,7 +75,7 @@ class RandomMaster(RuleBasedStateMachine):
         assert self.lab.order_record == before
 
     def here(self):
-        """The last node that the vehicle has passed, in the master's view."""
+        """Returns the last node that the vehicle has passed, as the master knows it."""
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     @rule(data=st.data(), number=st.integers(0, 3), update=st.sampled_from([0, 5]))
@@ -115,7 +115,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.sent)
     @rule(data=st.data())
     def an_order_is_sent_anew(self, data):
-        """The master wants to repeat the order, so the actions have new ids."""
+        """Sends an earlier order with new actionIds, as a master does that wants to repeat it."""
         order = json.loads(json.dumps(data.draw(st.sampled_from(self.sent))[0]))
         for action in (found for element in (*order['nodes'], *order['edges'])
                        for found in element['actions']):
@@ -143,7 +143,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule(data=st.data())
     def a_master_that_sets_things_right(self, data):
-        """The master cancels, and then sends an order that can be driven."""
+        """Cancels the order, and then sends an order that can be driven."""
         self.emergency_stop(False)
         self.lose(False)
         self.instant('stopPause')
@@ -219,7 +219,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def nothing_unreleased_is_driven(self):
-        """One exception: the robot may drive back to the first node of an order over a driven edge.
+        """Allows one exception: the robot may drive back to the first node over a driven edge.
 
         This happens if the robot is away from this node, but within the node's allowed deviation.
         """
@@ -277,7 +277,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_runs_was_started(self):
-        """Each running action was started by the present adapter, not by one that was killed."""
+        """Checks that the present adapter started each running action, not one that was killed."""
         if hasattr(self, 'lab'):
             for entry in self.lab.vehicle.state.actions:
                 if entry.is_active and entry.action.action_type == 'say':

@@ -13,7 +13,7 @@ HALL = way(8, 10, 12, 14, 32)
 
 
 def under_way():
-    """A vehicle that drives."""
+    """Returns a vehicle that drives."""
     lab = Lab()
     lab.order(HALL.order('o'))
     return lab
@@ -49,7 +49,8 @@ def test_a_resumption_with_a_known_id_that_is_refused_now_is_reported_as_failed(
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FINISHED'
     lab.see(e_stop=EmergencyStop.MANUAL)
-    lab.checker = VehicleChecker('OMRON', 'lab')  # the old checker allows no ended action to change
+    # a new checker, because the old one forbids that an ended action changes
+    lab.checker = VehicleChecker('OMRON', 'lab')
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FAILED'
 

@@ -22,14 +22,14 @@ VERSIONS = pytest.mark.parametrize('version', sorted(CODECS))
 
 
 def second(vertex: int, name: Optional[str] = None) -> Track:
-    """A track of two nodes at the same place."""
+    """Returns a track of two nodes at the same place."""
     stop = way(vertex, 10 if vertex != 10 else 12).stops[0]
     other = stop if name is None else type(stop)(name, stop.x, stop.y)
     return Track((stop, other), ('here',), ('here',))
 
 
 def with_actions(order: Dict[str, Any], node: int, *actions: Dict[str, Any]) -> Dict[str, Any]:
-    """The order with actions at one of its nodes."""
+    """Gives the order these actions at one of its nodes; returns the order."""
     order['nodes'][node]['actions'] = list(actions)
     return order
 
@@ -73,7 +73,7 @@ def test_the_robot_drives_on_after_the_action_at_the_second_node(version):
 
 
 def doubled(*vertices: int) -> Track:
-    """A track over the vertices. A repeated vertex is a second node at the same place."""
+    """Returns a track over the vertices. A repeated vertex is a second node at its place."""
     parts = [way(start, end) if start != end else second(start)
              for start, end in zip(vertices, vertices[1:])]
     return Track((parts[0].stops[0], *(part.stops[-1] for part in parts)),
@@ -162,12 +162,12 @@ def goals(lab: Any) -> Any:
 # --- the longest order ----------------------------------------------------------------------------
 
 def back_and_forth(edges: int) -> Sequence[int]:
-    """The vertices of a track with this number of edges, back and forth between two vertices."""
+    """Returns the vertices of a track with this number of edges between two vertices."""
     return [(8, 10)[number % 2] for number in range(edges + 1)]
 
 
 def long_way(edges: int) -> Track:
-    """A track with this number of edges."""
+    """Returns a track with this number of edges."""
     there, back = way(8, 10), way(10, 8)
     vertices = back_and_forth(edges)
     return Track(tuple(there.stops[(8, 10).index(vertex)] for vertex in vertices),

@@ -71,7 +71,7 @@ class UnrulyLab(Lab):
         self.robot = UnrulyRobot()
 
     def look(self):
-        """The vehicle receives those values of the robot's state that the robot reports."""
+        """Gives the vehicle those values of the robot's state that the robot reports."""
         moves = self.robot.moves
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:

@@ -22,7 +22,7 @@ WRONG_CHANGE = Reason(ReasonCode.WRONG_CHANGE, 'no')
 
 
 def under_way(**order):
-    """A vehicle that drives the second edge of an order."""
+    """Returns a vehicle that drives the second edge of an order."""
     lab = Lab()
     lab.order(HALL.order('o', **order))
     lab.drive(1)
@@ -31,7 +31,7 @@ def under_way(**order):
 
 
 def refuse_extension(lab, reason):
-    """The base grows, and the robot's side refuses the longer route."""
+    """Extends the base, and lets the robot's side refuse the longer route."""
     lab.robot.refuses = reason
     lab.order(HALL.part(2).order('o', 1, first_sequence=4))
     assert lab.robot.routes[-1].edges == (2, 3, 4)
@@ -220,7 +220,7 @@ def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
 
 
 def at_an_action(last=None):
-    """A vehicle that stands in an order, and drives on when an action of its first node ends."""
+    """Returns a vehicle that waits for an action of a node, and drives on when the action ends."""
     lab = Lab()
     lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), last or say('b', 'HARD')]}))
     lab.drive(1)

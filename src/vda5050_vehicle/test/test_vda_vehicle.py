@@ -19,7 +19,7 @@ HALL = way(8, 10, 12, 14, 32)
 
 
 def references(lab):
-    """The references of the first error, by key."""
+    """Returns the references of the first error, by key."""
     return {reference['referenceKey']: reference['referenceValue']
             for reference in lab.state['errors'][0]['errorReferences']}
 

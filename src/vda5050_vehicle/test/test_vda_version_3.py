@@ -20,12 +20,12 @@ def lab():
 
 
 def told(lab):
-    """Types and levels of the errors as they were sent."""
+    """Returns types and levels of the errors as they were sent."""
     return [(error['errorType'], error['errorLevel']) for error in lab.wire['errors']]
 
 
 def order_with(action, **changes):
-    """An order with an action at its second node."""
+    """Returns an order with an action at its second node."""
     return HALL.order('o', actions={'10': [{**action, **changes}]})
 
 
@@ -87,7 +87,7 @@ def test_an_action_waits_for_those_that_run_before_it_is_done_alone(lab):
 
 
 def failed_at_10(lab):
-    """An action at vertex 10 that may be retried has failed, and blocks the vehicle there."""
+    """Lets an action at vertex 10 fail that may be retried; the vehicle waits there."""
     lab.order(order_with(say('a', 'HARD'), retriable=True))
     lab.drive(1)
     lab.wait(0.1)

@@ -69,12 +69,12 @@ def table() -> ActionTable:
 
 
 def vehicle_document() -> Dict[str, Any]:
-    """The LD-90's vehicle file."""
+    """Returns the contents of the LD-90's vehicle file."""
     return yaml.safe_load((PACKAGE / 'config' / 'ld90' / 'vehicle.yaml').read_text())
 
 
 def abilities(*ignored: str) -> Abilities:
-    """The abilities of the LD-90."""
+    """Returns the abilities of the LD-90."""
     return sheet.abilities(vehicle_document(), 'map', ignored)
 
 
@@ -85,7 +85,7 @@ def route_driver(graph: Optional[Graph] = None, *ignored: str) -> MakeDriver:
 
 
 def way(*vertices: int) -> Track:
-    """The shortest route over these vertices of the laboratory."""
+    """Returns the shortest track over these vertices of the laboratory."""
     return track_on(lab(), vertices, 'map')
 
 
@@ -108,7 +108,7 @@ class RobotSide:
         self._driven: Tuple[int, ...] = ()  # edges of the route before the edges of the last order
 
     def arrive(self, order: Order) -> None:
-        """An order arrives."""
+        """Receives an order."""
         self.routes.append(order)
         if self.answers:
             self.judge(order.sent_by(ME))
@@ -130,7 +130,7 @@ class RobotSide:
             self.percentage, self.place = (self.percentage if is_same else 0.0), None
 
     def report(self) -> RouteReport:
-        """The present report."""
+        """Returns the present report."""
         return self.vehicle.report(
             0, self.pose, VehicleLocation(0.0, 0.0, 0.0), self.motion,
             Reason(ReasonCode.STOP_OWED, self.owes_stop) if self.owes_stop else NO_REASON)
@@ -175,16 +175,16 @@ class RobotSide:
         return self.vehicle.state.is_running
 
     def fail(self, text: str) -> None:
-        """The route of the robot fails."""
+        """Lets the route of the robot fail."""
         self.vehicle.fail(Reason(ReasonCode.OTHER, text))
 
     def overruled(self, cause: EpochCause = EpochCause.OTHER_GIVER,
                   reason: Reason = TAKEN_OVER) -> None:
-        """A new epoch begins; by default, another giver drives or stops the robot."""
+        """Begins a new epoch; by default, another giver drives or stops the robot."""
         self.vehicle.begin_epoch(cause, reason)
 
     def taken_by_another_master(self) -> None:
-        """Another master sends the robot a route."""
+        """Sends the robot a route of another master."""
         self.judge(RouteOrder(4711, (9,), known_epoch=self.vehicle.state.epoch, order=1,
                               master='another'))
 
@@ -221,7 +221,7 @@ class Lab:
             self.stand_at(at)
 
     def begin_to_command(self) -> None:
-        """The robot counts the orders of the adapter, as after an earlier order."""
+        """Makes the robot count the orders of the adapter, as after an earlier order."""
         if isinstance(self.driver, RouteDriver):
             self.driver.stop(self.now)
             for command in self.driver.pop_commands():
@@ -232,34 +232,34 @@ class Lab:
     # --- events -----------------------------------------------------------------------------------
 
     def stand_at(self, vertex: int) -> None:
-        """The robot stands at a vertex."""
+        """Reports that the robot stands at a vertex."""
         x, y = lab().vertex(vertex).position
         self.see(pose=RobotPose(x, y, 0.0), velocity=STANDING)
 
     def see(self, **changes: Any) -> None:
-        """The vehicle receives the robot's state, with changes."""
+        """Gives the vehicle the robot's state with these changes."""
         self.view = replace(self.view, seen_at=self.now, **changes)
         self.do(self.vehicle.robot_seen(self.view, self.now))
 
     def order(self, order: Dict[str, Any]) -> bytes:
-        """An order arrives; returns its message."""
+        """Gives the vehicle an order; returns the message."""
         self.messages += 1
         message = self.payload('order', order)
         self.receive_order(message)
         return message
 
     def payload(self, topic: str, message: Mapping[str, Any]) -> bytes:
-        """A message of 2.1 in the format of this vehicle's version."""
+        """Returns a message of 2.1 in the format of this vehicle's version."""
         body = in_3(topic, message) if self.codec.is_3 else message
         return payload(body, self.messages, self.codec.version)
 
     def receive_order(self, message: bytes) -> None:
-        """Bytes arrive on the topic `order`."""
+        """Gives the vehicle these bytes on the topic `order`."""
         self.do(self.vehicle.receive([('order', message)], self.now))
 
     def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
             **parameters: Any) -> str:
-        """An instant action arrives; returns its id."""
+        """Gives the vehicle an instant action; returns its id."""
         action_id = action_id or f'{action_type}-{self.messages}'
         self.messages += 1
         message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
@@ -267,11 +267,11 @@ class Lab:
         return action_id
 
     def receive_instant_actions(self, message: bytes) -> None:
-        """Bytes arrive on the topic `instantActions`."""
+        """Gives the vehicle these bytes on the topic `instantActions`."""
         self.do(self.vehicle.receive([('instantActions', message)], self.now))
 
     def wait(self, seconds: float) -> None:
-        """Time passes; the robot's side reports."""
+        """Lets time pass; the robot's side reports."""
         for _ in range(max(round(seconds / 0.1), 1)):
             self.now += 0.1
             if isinstance(self.driver, RouteDriver) and self.robot.answers:
@@ -281,7 +281,7 @@ class Lab:
                 self.see()
 
     def drive(self, edges: int = 1) -> None:
-        """The robot drives the given number of edges of its route."""
+        """Lets the robot drive the given number of edges of its route."""
         for _ in range(edges):
             assert self.robot.drives, 'the robot has no edge left to drive'
             self.see(velocity=DRIVING)
@@ -294,16 +294,16 @@ class Lab:
             self.see(velocity=STANDING)
 
     def settle(self) -> None:
-        """The robot obeys a stop."""
+        """Lets the robot obey a stop."""
         self.see(velocity=STANDING)
         self.wait(SETTLING + 0.3)
 
     def end_action(self, action_id: str, succeeded: bool = True, text: str = '') -> None:
-        """A started action ends."""
+        """Ends a started action."""
         self.do(self.vehicle.action_ended(action_id, succeeded, text, self.now))
 
     def restarted(self, is_newest: bool = True) -> Lab:
-        """The adapter is killed, and a new adapter starts from its journal."""
+        """Kills the adapter; returns a laboratory whose new adapter starts from the journal."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         other.vehicle = VdaVehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
@@ -359,11 +359,11 @@ class Lab:
         return [error['errorType'] for error in self.state['errors']]
 
     def status(self, action_id: str) -> Optional[str]:
-        """The status of an action."""
+        """Returns the last reported status of an action; None: there is none."""
         return next((found['actionStatus'] for found in self.state['actionStates']
                      if found['actionId'] == action_id), None)
 
 
 def say(action_id: str, blocking: str = 'NONE') -> Dict[str, Any]:
-    """An action of the table."""
+    """Returns an action of the table."""
     return action('say', action_id, blocking, **SAY)

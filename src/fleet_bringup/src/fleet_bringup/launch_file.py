@@ -21,14 +21,15 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 #: The format of log lines. It includes the node's name, because all robots share one screen. A
 #: format that the user or `start_output` has set is kept.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
-#: Times (s): a simulated door opens, a simulated PLC hands a load over.
+#: Seconds in which a simulated door opens, and in which a simulated PLC hands a load over.
 TRAVEL, HAND_OVER = 3.0, 3.0
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: An argument of the launch file: the program that takes the place of a fork of the node host. It
+#: An argument of the launch file: the program that roslaunch starts in place of a hosted node. It
 #: is an argument because `$(find ...)` does not work in a quoted text.
 HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
-#: The attributes that turn a node into a fork. roslaunch splits the prefix at blanks.
+#: The attributes that turn a node into a fork. roslaunch splits the prefix at blanks unless it is
+#: quoted.
 HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (

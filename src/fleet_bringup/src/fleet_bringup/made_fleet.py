@@ -10,7 +10,7 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: By type: m released ahead of a robot, for braking and for driving until the next order.
+#: By type: m of route released ahead of a robot, to drive until the next order comes, and to brake.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 
@@ -35,7 +35,7 @@ def made_fleet(count: int, graph: Graph) -> Fleet:
 
 def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
-    """Returns vertices, without docks, on which robots of the largest type may all stand for ever.
+    """Returns vertices, but no docks, on which robots of the largest type may all stand for ever.
 
     The search ends when it has found `enough` vertices. The result has fewer vertices if the graph
     has no more.

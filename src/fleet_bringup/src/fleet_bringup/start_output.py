@@ -143,7 +143,7 @@ class PassedSignals:
             self._launch.send_signal(number)
 
     def begin(self, launch: subprocess.Popen[str]) -> None:
-        """Passes signals on to this program, which runs now. Earlier signals are sent first."""
+        """Passes all further signals on to `launch`, which runs now; sends earlier ones at once."""
         self._launch = launch
         for number in self._early:
             launch.send_signal(number)

@@ -1,4 +1,4 @@
-"""Each node that a launch file gives to the node host is a Python program with a shared module."""
+"""Launch files give all Python nodes, and only these, to the node host, which has their modules."""
 from __future__ import annotations
 
 import re

@@ -84,7 +84,7 @@ class Door(NamedTuple):
     changed -- the robots whose claims are to be stored
     number  -- the last number that was drawn for a request
     written -- the number in the journal
-    begun   -- a request was sent to each door since the start
+    begun   -- a request was sent to the door since the start
     request -- the newest request
     asked   -- for each robot, the first request that names it
     told    -- the request in the newest report; 0: this report is not fresh, or does not show OPEN
@@ -226,8 +226,8 @@ class DoorYard(Yard):
         return tuple(self._views[self._view[id]].allocated for id in ids)
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
-        """A robot after its order was sent, with a flaw if the order leads into the door while the
-        door is not ready.
+        """Returns a robot after its order was sent. It has a flaw if the order leads into the door
+        while the door is not ready.
         """
         if sent == id:
             return sent
@@ -270,7 +270,9 @@ class DoorYard(Yard):
                 self._site_id(late), *(self._sent(late, id) for id in ids))
 
     def _ends_before_door(self, site: Site, id: int) -> int:
-        """A robot after its route was shortened before a door that does not report to be open."""
+        """Returns a robot after its route was shortened: it ends before a door that does not report
+        that it is open.
+        """
         side = self._sides[id]
         if not self._beliefs[side.belief].record.ahead:
             return id
@@ -300,7 +302,9 @@ class DoorYard(Yard):
 
     def _ask(self, interlocking: Interlocking, robot: ManagedRobot, site: Site,
              ids: Tuple[int, ...], edge: int) -> Answer:
-        """The answer to a robot that asks for an edge; it claims the door if only this is missing.
+        """Returns the answer to a robot that asks for an edge.
+
+        The robot claims the door if it lacks only this claim.
         """
         interlocking.claims = self._claims(site.door, ids)
         answer = super()._ask(interlocking, robot, site, ids, edge)

@@ -15,7 +15,7 @@ r, s = z3.Consts('r s', Robot)
 p, q = z3.Consts('p q', Place)
 robot, place = z3.Const('the robot', Robot), z3.Const('the place', Place)
 
-IN_ALLOCATION = ('sent', 'obeyed', 'at')  # places in these relations are in allocation and journal
+IN_ALLOCATION = ('sent', 'obeyed', 'at')  # the allocation and the journal contain these relations
 
 
 def are_apart(relation) -> Formula:

@@ -53,7 +53,7 @@ CHOICES = {'by device': {ClaimState.IN_USE, ClaimState.LOST, ClaimState.READY, C
 
 
 def rows() -> Iterator[Tuple[str, Dict[str, str]]]:
-    """The rows of the table of events in the docstring: the event, and the word in each column."""
+    """Yields each event in the table of the module's docstring, with the word in each column."""
     table = re.findall(r'^    \| (.*) \|$', module.__doc__ or '', re.MULTILINE)
     lines = [[word.strip() for word in line.split('|')] for line in table]
     head = next(line for line in lines if line[0] == 'event')

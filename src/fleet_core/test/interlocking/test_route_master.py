@@ -1,4 +1,7 @@
-"""Sequences of events of one robot that failed in the yard's model, and a property of grants."""
+"""Sequences of events of one robot in which the yard's model once found an error.
+
+Also a property of grants.
+"""
 from __future__ import annotations
 
 from dataclasses import replace

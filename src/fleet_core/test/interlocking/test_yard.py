@@ -18,7 +18,7 @@ from route_protocol.master import MasterState
 from trajectory_graph import Graph
 
 WHOLE = is_whole(__file__)
-NEAREST = 8_000  # number of states that a search visits by default; a fifth of these with LIVE
+NEAREST = 8_000  # number of states that a search visits by default; with LIVE, a fifth of it
 FAR = 15_000  # maximum number of states that may be needed to find a planted fault
 LINE = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0)}, {1: (1, 2), 2: (2, 3)})
 STAR = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0), 4: (2.4, 2.4)},

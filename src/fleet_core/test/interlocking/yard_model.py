@@ -19,7 +19,7 @@ Events
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, any number of times, before or after newer reports.
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores the changes
-      that reports made, and restarts from its journal, or from its first journal. It may end
+      that reports made, and restarts from its present journal, or from its first one. It may end
       between the storing of a grant and the sending of the order. Its disk may become full at any
       time, even before a grant is stored, and may become free again.
     * A person stops the fleet and resumes it, takes a robot out of service, and returns it to
@@ -30,8 +30,8 @@ Properties
                allocation, and in the allocation that it would have after a restart. While another
                giver drives a robot, its place is unknown until a report shows it.
     APART      No two allocations exclude each other, and no two entries of the journal do. No two
-               robots are too near to each other. If another giver has taken one of the two, they
-               may be too near, but then both are stopped.
+               robots are too near to each other, unless another giver has taken one of the two.
+               Then both are stopped.
     STORED     An order with edges is in the journal before it is sent.
     GRANTED    Nothing is granted that a gate or a condition must forbid in the true situation.
     LIVE       If, from any state on, messages arrive, nothing fails, and a person helps, then a
@@ -40,8 +40,8 @@ Properties
 
 A search visits all states within its bounds, which limit the numbers of grants, faults and acts of
 people. The number of reports has no bound. A walk follows one random sequence of events with far
-wider bounds. The distances have no reserve: a robot is `SLACK` short of a vertex that it passes,
-and counts as exactly on its edge.
+wider bounds. The distances have no reserve: a robot that has passed a vertex may still be `SLACK`
+short of it, and counts as exactly on its edge.
 
 Not in this model: robots beside their edges, other beginnings of a route, other masters (which
 `test_master.py` of route_protocol has for one robot), changes of the graph, robots that are
@@ -110,7 +110,7 @@ from numbered_orders_model import (  # noqa: E402
 MASTER = 'path_supervisor'
 CLEARANCE = 0.1
 NOW = 0.0
-LATER = math.inf  # then each order is due, even one that was sent at LATER (inf - inf is NaN)
+LATER = math.inf  # at this time each order is due, even one sent at LATER: inf - inf is NaN
 NEAR = 1e-6       # m
 SLACK = 0.05      # m that a robot may be short of its reported place
 AHEAD = 5.0       # s by which a wrong clock is ahead
@@ -163,7 +163,7 @@ class Side(NamedTuple):
     memory -- index of the robot's entry in the journal
     listed -- index of the allocation that the interlocking counts as stored
     stale  -- the robot must be stored again
-    drawn  -- the highest number of an order ever drawn, as a clock would show it
+    drawn  -- the highest order number that was drawn so far; the clock shows the next one
     shown  -- the order that the robot follows, or followed last
     short  -- the edge behind the robot on which a part of it may still be; 0: none
     ahead  -- the robot's clock is ahead
@@ -282,7 +282,10 @@ class Clock:
 
 
 def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting: bool) -> bool:
-    """Stops robots that exclude each other, as the supervisor does. False: it stops none."""
+    """Stops robots that exclude each other, as the supervisor does.
+
+    Returns whether it stops any.
+    """
     stopped = site.separate(is_starting)
     for name in stopped:
         robots[name].notice(Sign.EXCLUDED, 'too near')
@@ -298,7 +301,7 @@ def key_of(robot: ManagedRobot) -> Hashable:
     """All state of a robot on which later events depend.
 
     The code names the attributes that do not count, so that no new attribute is forgotten. Only
-    plans read `_driven` and `generation`. More than two strays have the same effect as two strays.
+    plans read `_driven` and `generation`. More than two stray locations have the effect of two.
     """
     master = robot.master
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
@@ -337,8 +340,8 @@ class Yard:
         self._contents, self._content_ids = _table(values.RouteReport)
         self._sites, self._site_ids = _table(Site)
         self._views, self._view_ids = _table(View)
-        self._view: List[int] = []       # by side
-        self._flaws: List[str] = []      # by side
+        self._view: List[int] = []       # index of the view of each side
+        self._flaws: List[str] = []      # flaw of each side
         self._own: Dict[int, List[Step]] = {}
         self._bounds = Bounds()
         self._known: Dict[Hashable, Any] = {}  # results that were computed before

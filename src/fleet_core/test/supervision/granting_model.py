@@ -12,7 +12,7 @@ edge that is due; the planner is asked; an answer comes.
 
 What must hold:
 
-POSSIBLE   no two edges that a question counts as released for two robots exclude each other
+POSSIBLE   no two edges of two robots that the planner counts as released exclude each other
 ANSWERABLE for each question that is asked while a right plan is in force, a right plan exists
 FITS       at least one of two consecutive answers is used
 PLANNED    the plan in force has each edge that a robot holds
@@ -127,7 +127,7 @@ class Found(NamedTuple):
 class Fleet:
     """A fleet on a graph; `robots` has the start and the goal (vertex ids) of each robot.
 
-    further   -- m of edges that a question foresees
+    further   -- distance (m) ahead of each robot for which a question foresees edges
     forgetful -- the planner may leave out one constraint
     without   -- the rule that is left out
     """
@@ -345,7 +345,9 @@ class Fleet:
 
     def _rows(self, released: Tuple[int, ...], drives: Tuple[Tuple[int, ...], ...],
               places: Tuple[int, ...]) -> Iterator[Tuple[Tuple[int, int], ...]]:
-        """Each sequence in which robots can make all drives after the released ones, one by one."""
+        """Yields each sequence in which robots can make all drives after the released ones, one by
+        one.
+        """
         def at(k: int, count: int) -> int:
             return self._end(places[k], drives[k][:count])
 
@@ -361,8 +363,9 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: each drive waits for the last drive of each robot that is in
-        its way.
+        """Returns the constraints that keep the sequence `row` of drives.
+
+        Each drive waits for the last earlier drive of each other robot that is in its way.
         """
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]

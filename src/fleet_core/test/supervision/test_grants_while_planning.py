@@ -19,7 +19,7 @@ NECK = graph_of({1: (0, 0), 2: (1, 0), 3: (2, 0), 4: (3, 0), 5: (3, 1), 6: (4, 0
                 {1: (1, 2), 2: (7, 2), 3: (2, 3), 4: (3, 4), 5: (4, 6), 6: (3, 5), 7: (5, 6),
                  8: (6, 8)})
 """Between 2 and 3 there is room for only one robot; between 3 and 6 robots can pass each other."""
-NEAR, FAR = 0.5, 1.5  # m that a question foresees: less (more) than robots drive until the answer
+NEAR, FAR = 0.5, 1.5  # m that a question foresees; until the answer, robots drive more (less)
 
 
 class Search(NamedTuple):

@@ -16,7 +16,7 @@ from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station
 from fleet_core.work.zones import Zone
 
-DOORS = (DeviceKind.DOOR, DeviceKind.AIR_LOCK, DeviceKind.LIGHT)  # edges lead through such devices
+DOORS = (DeviceKind.DOOR, DeviceKind.AIR_LOCK, DeviceKind.LIGHT)  # kinds through which edges lead
 WORK = SiteWork(
     stations={'press': Station('press', (2,)), 'shelves': Station('shelves', (5, 6), capacity=2)},
     devices={kind.value: Device(kind.value, kind, (3, 4), 10.0) for kind in DOORS})

@@ -58,7 +58,7 @@ def test_whatever_the_clock_shows_no_run_is_made_twice_and_none_is_lost_in_silen
     now = latest = BEGIN
     last, made, missed = due(timetable, BEGIN - 1, now).last, [], 0
     begin = last
-    for jump in jumps:  # back at most one day from the latest time; see the next test
+    for jump in jumps:  # the clock goes back at most one day from its latest time
         now = max(now + jump, latest - DAY)
         latest = max(latest, now)
         found = due(timetable, last, now)

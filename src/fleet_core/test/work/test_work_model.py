@@ -1,6 +1,6 @@
 """Work at stops is safe in every sequence of events, can always end, and needs each guard.
 
-By default the searches visit the nearest states; see `proofs`.
+By default the searches visit only the states nearest to the beginning; see `proofs`.
 """
 from __future__ import annotations
 

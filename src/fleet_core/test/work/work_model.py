@@ -5,7 +5,7 @@ The state of the world includes facts that no program knows: the step that is be
 often each step was carried out, and the load of the robot. Messages may be late, lost, repeated and
 reordered: a message may arrive at any time after it was sent, any number of times. The manager may
 end between any two events; it then continues from its stored data. The robot's driver may restart:
-then it forgets its steps, and it is open whether a running step was carried out.
+then it forgets its steps, and a running step may or may not have been carried out.
 
 People look before they answer, so their answers are true.
 """
@@ -57,7 +57,7 @@ class Body(NamedTuple):
 class State(NamedTuple):
     """The whole world. `memory` is the manager's memory, `disk` the data that it has stored.
 
-    orders -- number of commands to begin a step that were given
+    orders -- number of commands given so far to begin a step
     bodies -- the bodies, by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """

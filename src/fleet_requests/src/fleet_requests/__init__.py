@@ -17,8 +17,8 @@ from itrci_nav_msgs.msg import (
 )
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
-SILENCE = 10.0  # s without news of a mission, after which the sender asks for the status
-WAIT = 1.0      # s to wait for a service, which may not exist
+SILENCE = 10.0  # s; after this time without news of a mission, the sender asks for the status
+WAIT = 1.0      # s; longest wait for a service, which may not exist
 _NEW_ID = random.SystemRandom()
 
 
@@ -50,7 +50,7 @@ class NotSent(Exception):
 
 
 class ServiceSilent(Exception):
-    """A service does not answer. The text is a clause."""
+    """A service does not answer. The text of the error is a clause, not a sentence."""
 
 
 class ServiceRefused(Exception):
@@ -147,7 +147,7 @@ def stored_status(request_id: int, stamp: Optional[rospy.Time] = None,
     ask = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
     try:
         return ask(request_id, stamp or rospy.Time())
-    except rospy.ServiceException:  # the fleet manager restarts: ask again
+    except rospy.ServiceException:  # perhaps a restart: the caller asks again
         return None
 
 

@@ -134,12 +134,12 @@ def _is_of_this_command(archive: Path) -> bool:
 
 
 def _new(stack: ExitStack) -> IO[bytes]:
-    """Returns a temporary file without a name. It lasts as long as the stack."""
+    """Returns a temporary file without a name, which exists until `stack` is closed."""
     return stack.enter_context(tempfile.TemporaryFile())
 
 
 def _services(home: Path) -> List[int]:
-    """Returns the users, except root, that own the state."""
+    """Returns the users, except root, that own the state folders."""
     return [owner for owner in (_owner(state_folder(home, folder), home) for folder in UNITS)
             if owner]
 

@@ -16,9 +16,7 @@ _WORDS = ('password', 'passwd', 'token', 'secret')
 
 
 def is_secret(content: bytes) -> bool:
-    """Returns whether a file may be a secret: every file, except the kinds known to have no
-    secrets.
-    """
+    """Returns True for every file, except for the kinds that are known to have no secrets."""
     if content.startswith(_KNOWN):
         return False
     if content.lstrip().startswith(_CERTIFICATE):

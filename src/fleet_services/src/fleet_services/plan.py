@@ -42,7 +42,7 @@ class InstallationPlan:
 
     @property
     def state(self) -> Dict[str, str]:
-        """For each folder of ROS_HOME that only one service needs: the name of the service."""
+        """The name of the service for each folder of ROS_HOME that only one service needs."""
         names = {service.name for service in self.services}
         return {folder: name for folder, name in UNITS.items() if name in names}
 

@@ -10,8 +10,8 @@ from typing import Dict, List, Optional, Sequence, Tuple
 CREDENTIALS_FROM = 247    # first version of systemd with LoadCredential
 RESTART_STEPS_FROM = 254  # first version of systemd with RestartSteps
 WATCHDOG = 30  # s; systemd restarts a unit that has not notified it for this time
-START = 180    # s within which all nodes of a unit must begin to work
-STOP = 90      # s within which a unit must end, including the pause before a restart
+START = 180    # s; within this time all nodes of a unit must begin to work
+STOP = 90      # s; within this time a unit must end, including the pause before a restart
 OPEN_FILES = 16384
 
 #: Restrictions of each unit; `systemd-analyze security` rates them. ProcSubset is not set, because

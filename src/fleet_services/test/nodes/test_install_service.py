@@ -38,7 +38,7 @@ def write_site(folder: Path, arguments: str, name: str = 'hall', robots_per_unit
 
 @pytest.fixture
 def site() -> Iterator[Path]:
-    """A site in a folder that all users can enter."""
+    """Returns a site in a folder that all users can enter."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o755)
         yield make_site(Path(folder), str(FINISHED_MAP))
@@ -46,7 +46,7 @@ def site() -> Iterator[Path]:
 
 @pytest.fixture(scope='module')
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder below which a site is installed."""
+    """Returns the folder below which a site is installed."""
     return install(make_site(tmp_path_factory.mktemp('site')))
 
 
@@ -147,7 +147,7 @@ SERVICE = 61234  # user id of the services in an image
 
 @pytest.fixture
 def image(site: Path) -> Path:
-    """The root folder of an image that has the user of the services."""
+    """Returns the root folder of an image that has the user of the services."""
     if os.geteuid() != 0:
         pytest.skip('only root can give files to the user of the services')
     root = site / 'root'

@@ -135,7 +135,7 @@ def _counts(text: str) -> Tuple[int, ...]:
 
 
 def _moment(text: str) -> int:
-    """Returns the minutes since the beginning of Monday, from `mon 06:00`."""
+    """Converts a text such as `mon 06:00` to minutes since the beginning of Monday."""
     day, _, time = text.partition(' ')
     try:
         return DAYS.index(day) * DAY + minute_of_day(time)
@@ -164,7 +164,8 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
           docks: FrozenSet[int] = frozenset()) -> StudiedSite:
     """Returns the site that the files describe.
 
-    graph, docks -- the graph is used instead of the file's; the docks are added to the fleet's
+    graph -- replaces the graph in the graph file; None: the graph file is used
+    docks -- ids of docks to add to those of the fleet file
     """
     if graph is None:
         graph = load_graph(options.graph)

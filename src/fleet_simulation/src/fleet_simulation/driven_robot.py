@@ -47,9 +47,9 @@ class Delays:
 class Mechanics:
     """How one kind of robot drives.
 
-    drive     -- limits of the drive; the fleet file's robot type replaces their speed
-    docking   -- s of the manoeuvre on the edge to a dock
-    undocking -- s of the manoeuvre on the edge away from a dock
+    drive     -- limits of the drive; the robot type in the fleet file gives the speed instead
+    docking   -- duration (s) of the manoeuvre on the edge to a dock
+    undocking -- duration (s) of the manoeuvre on the edge away from a dock
     """
 
     drive: DriveLimits
@@ -137,11 +137,11 @@ class DrivenRobot:
 
     @property
     def _drives(self) -> bool:
-        """Whether the present time counts as driving, and the next random stop comes nearer."""
+        """Whether the robot drives now, so that the time until its next random stop passes."""
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes the time of the robot's next event; if it is unknown, takes the present time."""
+        """Computes the time of the robot's next event. If it is unknown, uses the present time."""
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)

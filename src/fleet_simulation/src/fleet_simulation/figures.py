@@ -78,9 +78,9 @@ class Figures:
     missed         -- missions of `deadlines` that were not done in time
     docks          -- largest number of robots that charged at the same time
     parked         -- largest number of robots that were idle at the same time without charging
-    travelled      -- m that all robots drove, warm-up included
-    planning       -- s of processor time that each plan took
-    spent          -- s of processor time of the whole run: world, supervisor, planner
+    travelled      -- distance (m) that all robots drove, warm-up included
+    planning       -- processor time (s) that each plan took
+    spent          -- processor time (s) of the whole run: world, supervisor, planner
     simulated      -- length of the whole run, warm-up included
     trouble        -- why the run broke off; empty if it was completed
     """

@@ -14,7 +14,7 @@ from trajectory_graph.drawn_names import edge_name, place_name, vertex_name
 from trajectory_graph.editing import Draft
 from trajectory_graph.graph import CurveType
 
-_ASIDE = 2.0    # m from an edge to a passing place beside it
+_ASIDE = 2.0    # m; distance from an edge to a passing place beside it
 _LONGEST = 1.5  # m, longest section when an edge is cut
 
 
@@ -38,7 +38,7 @@ def proposals(graph: Graph, edges: Sequence[int], room: float,
     """Returns the possible changes of the graph, in the order of `edges`.
 
     edges        -- ids of the edges for which robots wait longest, the longest wait first
-    room         -- m that two robots need between their centres
+    room         -- distance (m) that two robots need between their centres
     docks_in_use -- the largest number of docks in use at the same time
     """
     found: List[Proposal] = []

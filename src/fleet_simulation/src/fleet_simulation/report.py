@@ -199,8 +199,7 @@ def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -
 
 
 def _against(size: SizeResults, before: Optional[SizeResults]) -> str:
-    """Returns how throughput changes from the next smaller fleet, and whether this is significant.
-    """
+    """Returns the change of throughput against the next smaller fleet, and its significance."""
     if before is None:
         return ''
     more = gain(before, size)

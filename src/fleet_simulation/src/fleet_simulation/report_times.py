@@ -21,8 +21,8 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
-_AGAIN = 0.2        # s, longest such time after the robot has left the place that the other awaits
-_BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
+_AGAIN = 0.2        # s, the same after the robot has left the place that the other awaits
+_BEHIND = 0.001     # m; added to a distance, so that rounding does not put the robot before it
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
 
@@ -136,7 +136,7 @@ class ReportTimes:
 
     def _matters_at(self, supervisor: Supervisor, name: str, robot: ReportingRobot,
                     waiting: List[str], now: float) -> List[float]:
-        """Returns when the place of a robot matters to each robot that waits for it."""
+        """Returns for each waiting robot the time at which the place of the robot matters to it."""
         plan, record = supervisor.plan_executor.plan, supervisor.robots[name].record
         last = self._told.get(name, (now, None))[0]
         found = []

@@ -17,9 +17,9 @@ from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.studied_fleet import MakeRobot, StudiedFleet
 from fleet_simulation.virtual_fleet import STEP
 
-WARM_UP = 600.0     # s at the start of a run that do not count; in a short run, a tenth of it
-_SAMPLE = 10        # steps between two samples of what the robots do
-_REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
+WARM_UP = 600.0     # s at the start of a run that do not count; in a short run, a tenth of the run
+_SAMPLE = 10        # number of steps between two samples of what the robots do
+_REPLANNING = 50    # number of steps between two complete new plans, with OrderPolicy.REPLANNING
 
 
 def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures:

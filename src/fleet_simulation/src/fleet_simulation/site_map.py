@@ -23,10 +23,10 @@ from trajectory_graph.placing import (
 )
 
 _LARGEST = 860.0, 620.0  # px
-_BORDER = 34             # px around the graph
-_AROUND = 3.0            # m around the graph in which walls are drawn
-_HEIGHT, _LETTER = 12.0, 7.4  # px of a text: its height, the width of a letter
-_AWAY = 6.0, 11.0, 18.0  # px between a text and its point, the best distance first
+_BORDER = 34             # px, margin around the graph
+_AROUND = 3.0            # m, margin around the graph in which walls are drawn
+_HEIGHT, _LETTER = 12.0, 7.4  # px, height of a text and width of a letter
+_AWAY = 6.0, 11.0, 18.0  # px, distances of a text from its point, the best first
 _DOT = 6.0               # px, side of the squares along edges that texts avoid
 _LEGEND = 26             # px
 _WALL, _DOCK, _VERTEX = '#9aa0a6', '#2266aa', '#555555'

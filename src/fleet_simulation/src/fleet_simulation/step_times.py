@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Mapping, Optional, Tuple
 
-DEVICE_SECONDS = 2.0  # s that a device takes to open or close if the demand file gives no time
+DEVICE_SECONDS = 2.0  # s; time to open or close a device for which the demand file gives none
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,9 @@ class WorkTimes:
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration that the file gives for the vertex; if there is none, for the
-        station; if there is none either, for all places. None: the file gives none of the three.
+        """Returns the duration for the vertex, otherwise for the station, otherwise for all places.
+
+        None: the file gives none of these durations.
         """
         for at in (str(vertex), station, ''):
             if (type, at) in self.steps:

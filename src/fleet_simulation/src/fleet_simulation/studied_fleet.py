@@ -14,8 +14,8 @@ from fleet_simulation.virtual_fleet import VirtualFleet
 
 MONDAY = datetime(2024, 1, 1)  # a Monday; daylight saving time does not begin or end soon after
 RHYTHM = Rhythm(driving=2.0, standing=2.0, supervisor=0.5, room=1.0)
-_BATTERY = 100      # steps between two battery reports
-_CHECK_EVERY = 100  # events of the supervisor from one check of the allocations to the next
+_BATTERY = 100      # number of steps between two battery reports
+_CHECK_EVERY = 100  # number of events of the supervisor between two checks of the allocations
 
 
 MakeRobot = Callable[[str, RobotType, int, Random], DrivenRobot]

@@ -140,7 +140,7 @@ def _frame(up: str, scale: Sequence[float], y_of: Callable[[float], float],
 
 
 def points_of(points: Sequence[Tuple[float, float]]) -> str:
-    """Returns points (px) in the form of the attribute `points`."""
+    """Returns points (px) in the form of the SVG attribute `points`."""
     return ' '.join(f'{x:.1f},{y:.1f}' for x, y in points)
 
 

@@ -44,9 +44,7 @@ class VirtualActors:
             device.seconds = times.of_device(name)
 
     def stepped(self) -> None:
-        """Gives, after one time step, the answers of persons and programs whose steps are done
-        now.
-        """
+        """Gives the supervisor the answers of persons and programs whose steps are done now."""
         now, running = self._world.now, set()
         due: List[_Answer] = []
         for mission, work, place, key in list(self._outside()):

@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 from route_protocol.devices import DeviceMode, DeviceReport, DeviceRequest, DeviceUse
 
-PERIOD = 1.0  # s between two reports if nothing changes
+PERIOD = 1.0  # s; time between two reports if nothing changes
 
 
 class VirtualDevice:
@@ -21,15 +21,13 @@ class VirtualDevice:
         """The newest request that the device has received."""
         self.is_silent = False
         self._obeyed: Tuple[DeviceUse, ...] = ()
-        self._open = 0.0  # share (0..1) of the way to open
+        self._open = 0.0  # 0: closed, 1: open
         self._told: Tuple[DeviceMode, Tuple[DeviceUse, ...]] = DeviceMode.UNKNOWN, ()
         self._since = 0.0
         self._count = 0
 
     def receive(self, request: DeviceRequest) -> None:
-        """Handles a request. A request changes nothing if it is not newer than the obeyed
-        request.
-        """
+        """Obeys a request if it is newer than the request that the device obeys now."""
         if all(request.number > use.number for use in self._obeyed):
             self.request = request
             self._obeyed = (DeviceUse(request.requester, request.mode, request.number, 0.0),)
@@ -40,7 +38,7 @@ class VirtualDevice:
         return self.request is not None and self.request.mode is DeviceMode.OPEN
 
     def advance(self, seconds: float) -> None:
-        """Moves for the given virtual time, in s."""
+        """Moves the device for the given virtual time, in s."""
         self._since += seconds
         step = seconds / self.seconds if self.is_held else -seconds / self.seconds
         self._open = min(max(self._open + step, 0.0), 1.0)

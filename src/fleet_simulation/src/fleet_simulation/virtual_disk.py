@@ -29,7 +29,7 @@ class VirtualDisk:
 
     clock    -- returns the right time, s since 1970
     hang     -- lets the given seconds pass, while a write takes long
-    set_back -- s by which the clock of the supervisor's computer is behind
+    set_back -- s; the clock of the supervisor's computer is behind by this time
     seconds  -- s that the next write takes; later writes take no time
     """
 
@@ -100,5 +100,5 @@ class VirtualDisk:
     def _open(self) -> _CountingJournal:
         journal = _CountingJournal(self.journal_path, lambda: self._clock() - self.set_back,
                                    self._wait)
-        journal._db.execute('PRAGMA synchronous=OFF')  # no test simulates a power cut
+        journal._db.execute('PRAGMA synchronous=OFF')  # safe, because no test simulates a power cut
         return journal

@@ -154,7 +154,7 @@ class VirtualFleet(Generic[Body]):
     settings -- one value for all robots, or one for each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
-    check_every -- number of events from one check of the allocations to the next
+    check_every -- number of events between two checks of the allocations
     resources -- zones and other resources that `work` does not name; devices among these are
                  simulated
     work     -- the content of the work file; None: there is no work file
@@ -233,7 +233,7 @@ class VirtualFleet(Generic[Body]):
         return f'<a fleet: {self._described}>'
 
     def _begin(self) -> None:
-        # Switching has no time limit, because the computer's speed must not change the results.
+        # No time limit for switching: the computer's speed must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
                                      self.now, switching=switching,
@@ -478,7 +478,8 @@ class StrictConformance(Conformance):
 
 
 def route_order(order: Order, speed: float = 0.0) -> RouteOrder:
-    """Returns the supervisor's order as the robot receives it; `speed`: the speed limit of its
-    load.
+    """Returns the supervisor's order as the robot receives it.
+
+    speed -- speed limit of the robot's load, m/s; 0: no limit
     """
     return order.sent_by(ME, speed=speed)

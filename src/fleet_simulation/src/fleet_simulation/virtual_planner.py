@@ -11,7 +11,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_simulation.on_the_way import OnTheWay
 
-_PLANNERS_KEPT = 4  # planners to keep; each has its set of closed edges and learned driving times
+_PLANNERS_KEPT = 4  # number of planners, each with its closed edges and learned driving times
 
 
 class VirtualPlanner:

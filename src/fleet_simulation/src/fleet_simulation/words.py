@@ -1,4 +1,4 @@
-"""Describes the results of a study in words, without differences that may be chance."""
+"""Describes the results of a study in words. Leaves out differences that may be chance."""
 from __future__ import annotations
 
 import math
@@ -64,7 +64,7 @@ def _demand_in_words(study: Study, best: SizeResults) -> str:
 
 
 def _more_robots_in_words(found: Sequence[SizeResults], best: SizeResults) -> str:
-    """Returns a sentence about the gain of the next larger simulated fleet over the best fleet."""
+    """Returns a sentence about what the next larger simulated fleet gains over the best fleet."""
     larger = next((size for size in found if size.robots > best.robots), None)
     if larger is None:
         return ('This is the largest simulated fleet: a larger one may serve more.'

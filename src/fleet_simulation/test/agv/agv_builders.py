@@ -18,12 +18,12 @@ GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
 
 def vehicle_at(vertex: int, graph: Graph = GRAPH, clock: Callable[[], int] = lambda: 0,
                **options: object) -> AgvVehicle:
-    """An AGV with random epochs."""
+    """Returns an AGV with random epochs."""
     return AgvVehicle('agv_1', graph, vertex, numbers_of_epochs(), clock, **options)
 
 
 def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:
-    """A function that draws the numbers of new epochs."""
+    """Returns a function that draws the numbers of new epochs."""
     random = Random(seed)
     return lambda: random.getrandbits(63) or 1
 

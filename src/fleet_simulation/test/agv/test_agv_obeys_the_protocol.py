@@ -189,7 +189,7 @@ class ObedientAgv(RuleBasedStateMachine):
         return self.next_id
 
     def _walk(self, edges: Tuple[int, ...], length: int) -> Tuple[int, ...]:
-        """A connected walk. It begins with these edges; if there are none, it begins at the AGV's
+        """Returns a connected walk. It begins with `edges`, or if there are none, at the AGV's
         place.
         """
         drive = self.vehicle.drive

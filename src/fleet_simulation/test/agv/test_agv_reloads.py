@@ -20,7 +20,7 @@ def with_speed(edge: int, speed: float) -> Graph:
 
 
 def without(edge: int) -> Graph:
-    """The graph without an edge, and without vertices that no other edge reaches.
+    """Returns the graph without this edge and without the vertices that no other edge reaches.
 
     Without edge 2, edge 3 would be a separate part, so it is also left out.
     """

@@ -24,7 +24,7 @@ from route_protocol.values import (
 )
 from world.plain_agv import Agv
 
-MIDDLE = 2.0    # m from an edge's start to its middle; there the AGV of `agv_sim` has full speed
+MIDDLE = 2.0    # m; distance to the middle of an edge; there the AGV of `agv_sim` has full speed
 BRAKING = 1.0   # m, the braking distance of the AGV of `agv_sim` there
 FAULT = Reason(ReasonCode.OTHER, 'a broken belt')
 EVENTS = 30
@@ -174,7 +174,7 @@ class Pair:
         return str(sent)
 
     def _walk(self, begin: Tuple[int, ...]) -> Tuple[int, ...]:
-        """Edges that continue from the last edge of `begin`, or from the place of the AGVs."""
+        """Returns edges that follow the last edge of `begin`, or the place of the AGVs."""
         drive = self.one.drive
         walk: List[int] = []
         if begin:
@@ -222,7 +222,7 @@ def first_difference(seed: int, plain: Type[Agv] = Agv) -> Optional[str]:
 
 
 @given(st.integers(0, 2 ** 32))
-@example(3123269011)  # a route that waits is displaced by a route of another master
+@example(3123269011)  # a route of another master replaces a waiting route
 def test_both_take_refuse_and_drive_the_same_orders(seed: int) -> None:
     assert first_difference(seed) is None, first_difference(seed)
 
@@ -272,7 +272,7 @@ class KeepsItsEpoch(Agv):
 
 
 class RollsNot(Agv):
-    """An AGV that stands at once when it loses its route."""
+    """An AGV that stops dead when it loses its route."""
 
     def drive(self, seconds: float) -> None:
         self._rolls = 0.0

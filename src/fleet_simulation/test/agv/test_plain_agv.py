@@ -27,7 +27,7 @@ def numbered(agv: Agv, number: int, *edges: int, epoch: Optional[int] = None) ->
 
 
 def on_its_way(braking: float = 0.0) -> Agv:
-    """An AGV at 2 m on edge 1 of the route 1, 2."""
+    """Returns an AGV that drives the route 1, 2 and is 2 m along edge 1."""
     agv = Agv(GRAPH, AGV, 1)
     agv.braking = braking
     assert agv.receive(numbered(agv, 5, 1, 2)) is None

@@ -110,9 +110,9 @@ KIND = RobotType('agv', 0.4, SPEED)
 STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
-PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one `beat` to the next
+PERIODS = (0.2, 0.4, 0.4, 0.8)  # s; times between two calls of `beat`
 UNSEEN = 0.1  # after this share of its openings, the door fails before the robot may enter
-FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
+FAULT = (1.0, 3.0, 8.0)         # s; durations of a fault
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
 
@@ -193,7 +193,7 @@ class RandomWork(SupervisedFleet):
         self.lies = False
         """Whether the door reports that it is open although it is not."""
         self._deceived: Set[str] = set()  # robots that are on their way into the closed door
-        self._failed = -math.inf          # when the door closed by itself, or became honest
+        self._failed = -math.inf          # when the door failed, or ended its false reports
         self._doors, self._disks = Random(f'doors {seed}'), Random(f'disks {seed}')
         self._is_slow = False             # the commit of the next tick takes long
         self._dead: Set[str] = set()      # machines that report nothing
@@ -214,7 +214,7 @@ class RandomWork(SupervisedFleet):
         self.step_devices = {name: Hands(self, name) for name in WORK.step_devices}
 
     def coin(self) -> bool:
-        """True with the probability 0.5."""
+        """Returns True with a probability of 0.5."""
         return self.draw.random() < 0.5
 
     def log(self, text: str) -> None:
@@ -252,7 +252,7 @@ class RandomWork(SupervisedFleet):
         super()._perform((action,))
 
     def beat(self) -> None:
-        """Time passes: robots and devices move, and messages come in any order."""
+        """Lets time pass: robots and devices move, and messages come in any order."""
         self._pass(self.draw.choice(PERIODS))
         for at, end in [one for one in self._ends if one[0] <= self.now]:
             self._ends.remove((at, end))
@@ -268,7 +268,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.tick(self.now))
 
     def _pass(self, period: float) -> None:
-        """Robots and devices move, while the fleet manager does nothing."""
+        """Lets robots and devices move, while the fleet manager does nothing."""
         self.now += period
         for order in self.network.arrived_orders(self.now):
             self._deliver(order)
@@ -285,19 +285,19 @@ class RandomWork(SupervisedFleet):
         self._check_places()
 
     def _hang(self, seconds: float) -> None:
-        """A commit of the fleet manager takes `seconds`."""
+        """Lets `seconds` pass, because a commit of the fleet manager takes so long."""
         self.log('the commit takes long')
         for _ in range(round(seconds / min(PERIODS))):
             self._pass(min(PERIODS))
 
     def _late_messages(self) -> List[Message]:
-        """The delayed messages that come now. Some of these messages come a second time later."""
+        """Returns the delayed messages that come now. Some of these come again later."""
         late, self._late = self._late, []
         self._late = [message for message in late if self.draw.random() < 0.8]
         return [one.send for one in late if one not in self._late or self.draw.random() < 0.3]
 
     def _messages(self) -> List[Message]:
-        """All messages that are sent to the fleet manager now."""
+        """Returns the messages that are sent now and reach the fleet manager now."""
         found: List[Message] = []
         for name, agv in self.agvs.items():
             if not self.network.is_silent(name, self.now) and (
@@ -319,7 +319,7 @@ class RandomWork(SupervisedFleet):
         return found
 
     def _send(self, now: List[Message], message: Message, subject: str = '') -> None:
-        """A message to the fleet manager comes now, later, twice, or never."""
+        """Delivers a message to the fleet manager now, later, twice, or never."""
         now += [message] * self.network.copies()
         if self.draw.random() < 0.05:
             self._late.append(Kept(message, subject))
@@ -342,7 +342,7 @@ class RandomWork(SupervisedFleet):
     # -- what really happens ----------------------------------------------------------------------
 
     def begins(self, by: str, command: StepCommand) -> None:
-        """A robot or a machine begins to carry out a step."""
+        """Notes that a robot or a machine begins to carry out a step."""
         serving = {one.serial: name for name, one in self.supervisor.book.serving.items()}
         found = next((((serial, place), step, own)
                       for serial, work in self.disk.journal.works().items()
@@ -366,7 +366,10 @@ class RandomWork(SupervisedFleet):
         self.log(f'{by} begins {step.type} {command.key} of M{identity[0]}')
 
     def ends(self, by: str, key: int, has_happened: bool) -> None:
-        """A step is not carried out any more. `has_happened`: it has been done."""
+        """Notes that a robot or a machine ends a step.
+
+        has_happened -- whether the step was done
+        """
         identity = self._by_key.pop((by, key))
         self._stood.pop(identity, None)
         body = self.bodies[identity]
@@ -413,9 +416,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.request(request, self.now))
 
     def _stops(self, count: int, takes: bool) -> Tuple[WorkStop, ...]:
-        """Random stops. At the first stop a load may be taken, at the other stops a load may be
-        given.
-        """
+        """Returns random stops. The first stop may take a load, the other stops may give a load."""
         draw = self.draw
         stops: List[WorkStop] = []
         for k in range(count):
@@ -488,7 +489,7 @@ class RandomWork(SupervisedFleet):
         body = self.bodies.get(identity, Body(step, mission.robot))
         if body.by and self.coin():
             self.log(f'a person restarts the steps of {body.by}')
-            self._hands(body.by).restart()  # it hangs; the person looks again
+            self._hands(body.by).restart()  # the step hangs; the person looks again later
             return
         said = [StepDecision.DONE] if body.times and not body.by else [
             StepDecision.RETRY] if not body.times else []
@@ -538,7 +539,7 @@ class RandomWork(SupervisedFleet):
         self._ends.append((self.now + self.draw.choice(FAULT), end))
 
     def steps_fail(self) -> None:
-        """The next steps of a robot or a machine end in a wrong way, or never."""
+        """Lets the next step of a robot or machine fail, end unknown, or never end."""
         hands = self.draw.choice([*self.steps.values(), *self.step_devices.values()])
         hands.fail_next(self.draw.choice((Word.FAILED, Word.UNKNOWN, Word.RUNNING)), 1)
 
@@ -709,13 +710,13 @@ class RandomWork(SupervisedFleet):
         self._stood.clear()
         agv.be_carried(edge, SITE.curve(edge).length)
         agv.visited.append(end.id)
-        self._say(name, agv.report(self.now), self.now)  # this makes the movement known
+        self._say(name, agv.report(self.now), self.now)  # the fleet manager learns the new place
 
     def _any(self) -> str:
         return self.draw.choice(sorted(self.agvs))
 
     def recklessly_ask(self) -> None:
-        """The interlocking is asked for an edge that no plan has."""
+        """Asks the interlocking for an edge that is in no plan."""
         supervisor = self.supervisor
         at_work = sorted({one.robot for one in self.bodies.values() if one.by})
         robot = supervisor.robots[self.draw.choice(at_work) if at_work else self._any()]
@@ -747,7 +748,7 @@ class RandomWork(SupervisedFleet):
             self.do(actions)
 
     def picture(self) -> str:
-        """The state of the missions and robots as text."""
+        """Returns the state of the missions and robots as text."""
         lines, desk = [f'{self.now:.1f} s'], self.supervisor.desk
         for mission in self.supervisor.book.open:
             work = desk.work(mission.serial)
@@ -877,7 +878,8 @@ class RandomWork(SupervisedFleet):
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
         assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
-        if rules.is_at_work(work) and not self.reckless:  # a reckless fleet moves in NONE steps
+        # A reckless fleet may move a robot during a step whose blocking is NONE.
+        if rules.is_at_work(work) and not self.reckless:
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_sent(self, sent: SendStep) -> None:

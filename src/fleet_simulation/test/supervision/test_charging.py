@@ -1,4 +1,4 @@
-"""Robots charge on request or when idle: which robot is first, when charging ends, and claims."""
+"""Robots charge on request or when idle: who charges first, how long, and with which claim."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -24,7 +24,10 @@ LIVES = 6 if is_whole(__file__) else 2
 
 def yard(robots: Mapping[str, int], docks: Sequence[int] = (6,),
          idle_below: float = 0.0) -> SupervisedFleet:
-    """Robots {name: vertex} that charge at docks of a corridor with a siding at 3."""
+    """Returns a fleet that charges at `docks` of a corridor with a siding at vertex 3.
+
+    robots -- the vertex on which each robot begins, by the name of the robot
+    """
     kind = replace(AGV, docks=frozenset(docks))
     fleet = SupervisedFleet(with_docks(corridor(6, siding_at=3), *docks),
                             {name: (kind, vertex) for name, vertex in robots.items()},

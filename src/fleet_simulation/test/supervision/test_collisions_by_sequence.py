@@ -26,12 +26,12 @@ NEAR = RobotSettings(release_ahead=3.0)
 
 
 def outages(fleet):
-    """The outage of each robot by its name."""
+    """Returns the outage of each robot by its name."""
     return {name: robot.outage for name, robot in fleet.supervisor.robots.items()}
 
 
 def beyond(fleet, name):
-    """The distance (m) of a robot's centre from its allocation; 0: the centre is inside."""
+    """Returns the distance (m) of a robot's centre from its allocation; 0: the centre is inside."""
     allocation, here = fleet.supervisor.robots[name].master.allocation, fleet.agvs[name].position
     ways = [max(min(math.dist(here, point) for point in area.line) - area.radius, 0.0)
             for area in allocation.areas]
@@ -84,7 +84,8 @@ def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
 
 @pytest.mark.parametrize('beside', [(0.08, 0.12), (0.0, 0.16), (0.0, 0.0)])
 def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_near_to(beside):
-    """The location of `a` was not on its route. It excluded `b` only while `a` had the route.
+    """The location of `a` was not on its route. This location excluded `b` only while `a`
+    had the route.
 
     So both robots were stopped, no person could see why, and each `fleet in` stopped them again.
     """
@@ -252,10 +253,10 @@ def start_with(copy, fleet):
 
 
 def with_an_older_journal(restarts, drives):
-    """A fleet with an older journal, which shows `c` at another place. The silent `c` is in the way
-    of `a`.
+    """Returns a fleet with an older journal, in which `c` is at another place. The silent `c` is in
+    the way of `a`.
 
-    restarts -- number of restarts after the copy was made; 0: only reports show that it is old
+    restarts -- number of restarts after the copy was made; 0: only reports show its age
     drives   -- whether `a` has a route when the supervisor ends
     """
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 101), 'c': (AGV, 106)},
@@ -297,7 +298,7 @@ def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, 
     fleet = with_an_older_journal(restarts, drives)
     assert fleet.supervisor.unknown == ['c']
     assert not fleet.agvs['a'].is_driving
-    fleet.restart()  # a restart does not make the old place of c right
+    fleet.restart()  # a restart does not correct the old place of c
     fleet.run(20.0)
     assert fleet.supervisor.unknown == ['c'] and not fleet.agvs['a'].is_driving
     del fleet.network.silent['c']

@@ -1,5 +1,5 @@
-"""Each event of the supervisor must be a step of the model of allocations. The check finds events
-that are not.
+"""Each event of the supervisor must be a step of the model of allocations. The check finds all
+other events.
 
 All tests of virtual fleets run with this check after each event (`StrictConformance`).
 """
@@ -88,7 +88,7 @@ def test_a_change_that_the_interlocking_does_not_read_is_found(
 
 
 def fleet_at_a_zone() -> SupervisedFleet:
-    """Two robots that are to drive through the same zone, from both sides of it."""
+    """Returns two robots that are to drive through the same zone from opposite sides."""
     zone = Resource('hall', ResourceKind.ZONE, frozenset({3, 6}))
     fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1), 'b': (AGV, 9)},
                             settings=RobotSettings(release_ahead=5.0), resources=(zone,))
@@ -107,7 +107,7 @@ def ended_while_needed(patch: pytest.MonkeyPatch) -> None:
 
 
 def more_than_there_is(patch: pytest.MonkeyPatch) -> None:
-    """The planner does not keep the robots apart in the zone."""
+    """Lets robots claim a full zone, and lets the planner ignore zones."""
     patch.setattr(Claims, '_is_free', lambda *_: True)
     patch.setattr(supervisor, 'Networks', lambda *of: Networks(*of[:3]))
 

@@ -107,7 +107,7 @@ def test_a_claim_is_returned_when_the_mission_is_cancelled_before_the_door() -> 
 
 
 def fleet_in_a_silent_door() -> FleetWithDoors:
-    """A fleet in which a robot was stopped in the door, and then the door fell silent."""
+    """Returns a fleet in which a robot was stopped in the door, and then the door fell silent."""
     fleet = fleet_at_a_door()
     fleet.request(1, 6)
     fleet.run_until(lambda: bool(fleet.entered) and fleet.agvs['a'].arc > 0.8)
@@ -146,12 +146,15 @@ def test_a_robot_in_a_silent_door_keeps_its_claim_whatever_time_passes() -> None
 
 
 def fails(fleet: FleetWithDoors) -> None:
-    """The door closes by itself, and reports nothing."""
+    """Lets the door close by itself and report nothing."""
     fleet.devices['gate'].is_silent, fleet.devices['gate'].request = True, None
 
 
 def goes_on_when_the_door_works(fleet: FleetWithDoors) -> None:
-    """The robot waits before the door, without an outage, until the door works again."""
+    """Checks that the robot waits before the door until the door works again.
+
+    The robot must have no outage.
+    """
     fleet.run(20.0)
     assert not fleet.entered and state(fleet) is ClaimState.ASKED
     assert fleet.supervisor.robots['a'].outage is None

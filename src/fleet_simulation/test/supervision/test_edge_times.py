@@ -9,7 +9,7 @@ from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
 from world.supervised_fleet import SupervisedFleet
 
-NOMINAL = 2.0  # s for each edge
+NOMINAL = 2.0  # s; time for each edge
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def nominal(kind, edge):
 
 
 def learned(*seconds, table=None):
-    """The learned times after these drives of edge 1 and one tick of the clock."""
+    """Returns the learned times after these drives of edge 1 and one tick of the clock."""
     times = table or EdgeTimes(nominal)
     for edge in (2, 3):
         for _ in range(ENOUGH):

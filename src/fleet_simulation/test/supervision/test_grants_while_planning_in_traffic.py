@@ -56,7 +56,7 @@ class Traffic(SupervisedFleet):
 
 @pytest.fixture
 def used(monkeypatch) -> List[bool]:
-    """For each answer of the planner: whether the answer still fitted."""
+    """Returns a list, which gets for each answer of the planner whether the answer fitted."""
     found: List[bool] = []
     plan = Question.plan
 
@@ -70,7 +70,7 @@ def used(monkeypatch) -> List[bool]:
 
 
 def useless(used: List[bool], seeds: Tuple[int, ...]) -> int:
-    """The number of answers that did not fit in these runs."""
+    """Returns the number of answers that did not fit in these runs."""
     used.clear()
     for seed in seeds:
         fleet = Traffic(seed, 1.0)
@@ -128,7 +128,7 @@ class Forgetful(Traffic):
 
 
 def wrong_questions(seeds: Tuple[int, ...]) -> int:
-    """The number of questions in which released edges of two robots exclude each other."""
+    """Returns the number of questions in which released edges of two robots exclude each other."""
     found = 0
     for seed in seeds:
         fleet = Forgetful(seed, 0.5)

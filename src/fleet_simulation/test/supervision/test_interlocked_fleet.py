@@ -23,19 +23,19 @@ FAR = RobotSettings(release_ahead=8.0)
 
 
 def put(agv, edge, arc):
-    """A person moves a robot."""
+    """Lets a person move a robot."""
     agv.edge, agv.arc = edge, arc
 
 
 def without(graph, *edges):
-    """A graph without these edges, and without vertices that no edge reaches any more."""
+    """Returns a graph without these edges, and without vertices that no edge reaches any more."""
     kept = [edge for edge in graph.edges.values() if edge.id not in edges]
     used = {vertex for edge in kept for vertex in (edge.origin, edge.destination)}
     return Graph([v for v in graph.vertices.values() if v.id in used], kept)
 
 
 def restart(fleet, graph=None, robots=None):
-    """The supervisor restarts with another graph, or with other robots in the fleet file."""
+    """Restarts the supervisor with another graph, or with other robots in the fleet file."""
     if robots is not None:
         fleet.fleet = Fleet(fleet.fleet.types, tuple(
             robot for robot in fleet.fleet.robots if robot.name in robots), fleet.fleet.clearance)

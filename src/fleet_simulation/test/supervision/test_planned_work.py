@@ -218,7 +218,7 @@ EVERY_MINUTE = replace(WORK, timetables={
 
 
 def runs(fleet: PlannedFleet) -> List[str]:
-    """The times of the runs that were requested."""
+    """Returns the times of the runs that were requested."""
     found = {(s.request_id, s.stamp) for s in fleet.statuses
              if s.template and s.state is not MissionState.REFUSED}
     return [datetime.fromtimestamp(stamp).strftime('%H:%M') for _, stamp in
@@ -226,7 +226,7 @@ def runs(fleet: PlannedFleet) -> List[str]:
 
 
 def minutes(fleet: PlannedFleet, count: int) -> List[str]:
-    """The local times of the first minutes of a run."""
+    """Returns the local times of the first minutes of a run."""
     return [datetime.fromtimestamp(fleet.wall + 60.0 * k).strftime('%H:%M') for k in range(count)]
 
 

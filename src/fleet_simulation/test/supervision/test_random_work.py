@@ -22,7 +22,7 @@ from fleet_core.work import rules
 WHOLE = is_whole(__file__)
 STEPS = 2_000_000 if LONG else 100_000 if WHOLE else 2_500
 PARTS = 8 if WHOLE else 1  # parts into which the steps are divided, for several processes
-LIFE = 2500                # steps of a life before all faults end
+LIFE = 2500                # number of steps of a life before all faults end
 
 
 @pytest.mark.parametrize('part', range(PARTS))

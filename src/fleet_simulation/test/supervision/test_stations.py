@@ -27,7 +27,7 @@ from world.plain_agv import Agv
 from world.supervised_fleet import SupervisedFleet
 
 LIVES = 40 if LONG else 12 if is_whole(__file__) else 1
-STAY = 12.0  # s of work at a place
+STAY = 12.0  # s; time that a robot works at a place
 
 
 class FleetAtStations(SupervisedFleet):
@@ -81,7 +81,7 @@ class FleetAtStations(SupervisedFleet):
         self.request(id, place, *then, dwells=(STAY, *(0.0 for _ in then)), **more)
 
     def line(self, station: Station) -> List[str]:
-        """The robots at the queue places of a station, in the order of the places."""
+        """Returns the robots at the queue places of a station, in the order of the places."""
         at = {robot.position.vertex: name for name, robot in self.supervisor.robots.items()
               if robot.position is not None}
         return [at[place] for place in station.queue if place in at]
@@ -150,8 +150,8 @@ SHORT = Station('press', (18,), (5,))
 
 
 def full_press() -> FleetAtStations:
-    """Three robots. Two of them occupy the press and its queue, and mission 3 also leads to the
-    press.
+    """Returns three robots. Two of them occupy the press and its queue; mission 3 also leads to
+    the press.
     """
     fleet = lane(3, SHORT)
     for id, name in enumerate('ba', 1):

@@ -212,7 +212,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before the robot refuses orders
+    fleet.agvs['a'].fail(EMERGENCY_STOP)  # the robot reports this before it refuses orders
     fleet.run_until_done(1)
     assert any(note.startswith('a cannot work: emergency stop.') for note in fleet.notes)
 
@@ -261,7 +261,9 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
 
 
 def _stopped_between(least: float, most: float) -> SupervisedFleet:
-    """A fleet that is stopped when robot `a` is between these places (m from the start) of an edge.
+    """Returns a fleet that was stopped when robot `a` was on an edge between these two places.
+
+    least, most -- m from the start of the edge
     """
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
@@ -504,7 +506,7 @@ def test_a_stop_that_was_obeyed_is_not_given_again_by_a_restart():
 @pytest.mark.parametrize('seconds', [1.0, 3.0])
 def test_a_robot_that_was_switched_off_and_on_again_mid_route_needs_a_person(seconds):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
-    for id, vertex in enumerate((4, 8), 1):  # on its first route, and on a later one
+    for id, vertex in enumerate((4, 8), 1):  # the first time on its first route
         fleet.request(id, vertex)
         fleet.run(seconds)
         fleet.agvs['a'].forget()

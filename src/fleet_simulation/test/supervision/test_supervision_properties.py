@@ -44,7 +44,7 @@ MOMENTS = st.sampled_from(('now', 'now', 'order', 'plan'))
 
 @st.composite
 def fleets(draw: st.DrawFn) -> SupervisedFleet:
-    """A fleet whose messages are lost and repeated, and whose planner takes some time."""
+    """Draws a fleet whose messages are lost and repeated, and whose planner takes some time."""
     kinds = [replace(kind, docks=frozenset(DOCKS))
              for kind in (AGV, AGV, draw(st.sampled_from((AGV, SLOW))))]
     return SupervisedFleet(
@@ -58,7 +58,7 @@ def fleets(draw: st.DrawFn) -> SupervisedFleet:
 
 @st.composite
 def lives(draw: st.DrawFn) -> List[Event]:
-    """A list of events: first missions, then acts of people and a few kinds of faults."""
+    """Draws a list of events: first missions, then acts of people and a few kinds of faults."""
     def some(acts: Dict[str, Act], most: int) -> List[str]:
         return draw(st.lists(st.sampled_from(sorted(acts)), min_size=1, max_size=most,
                              unique=True))
@@ -124,7 +124,7 @@ def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
 
 
 def swap(crash_at: int) -> SupervisedFleet:
-    """Two robots swap places in a corridor while the supervisor crashes at one commit."""
+    """Lets two robots swap places in a corridor while the supervisor crashes at one commit."""
     fleet = SupervisedFleet(corridor(5, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 5)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.crash = Crash(crash_at)

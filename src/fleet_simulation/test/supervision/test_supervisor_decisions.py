@@ -266,7 +266,7 @@ def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
 
 @pytest.mark.parametrize('told', ['all', 'no longer', 'not of the last edges'])
 def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(told):
-    """The robot's reports arrive or not, or an order is still on its way to the robot."""
+    """Three cases: reports arrive, reports do not arrive, or an order has not arrived yet."""
     fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.request(1, 7, robot='a')
@@ -367,7 +367,10 @@ def test_who_requested_a_mission_and_its_end_is_told_and_kept():
 # -- which robot charges, where and how long -------------------------------------------------------
 
 def yard(robots, docks=(6,), **more):
-    """Robots {name: vertex} that charge at docks of a corridor with a siding at 3."""
+    """Returns a fleet that charges at `docks` of a corridor with a siding at vertex 3.
+
+    robots -- the vertex on which each robot begins, by the name of the robot
+    """
     kind = replace(AGV, docks=frozenset(docks))
     return SupervisedFleet(with_docks(corridor(6, siding_at=3), *docks),
                            {name: (kind, vertex) for name, vertex in robots.items()}, **more)
@@ -380,12 +383,12 @@ def charge(fleet, **charges):
 
 
 def view_of(fleet, name):
-    """The published state of a robot."""
+    """Returns the published state of a robot."""
     return next(v for v in robot_views(fleet.supervisor, fleet.now) if v.name == name)
 
 
 def charging_at_6(**more):
-    """Robot `a` charges at vertex 6; its charge is 0.5."""
+    """Returns a fleet in which robot `a` charges at vertex 6 and its charge is 0.5."""
     fleet = yard({'a': 4}, **more)
     charge(fleet, a=0.2)
     fleet.run(20.0)
@@ -564,8 +567,9 @@ def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
 # -- robots go before a late one, if switching is enabled ------------------------------------------
 
 def crossing() -> Graph:
-    """A lane from 1 to 7 and a lane from 11 to 17. They cross at vertex 4, which is a little nearer
-    to 1 than to 11.
+    """Returns two lanes, from 1 to 7 and from 11 to 17, that cross at vertex 4.
+
+    Vertex 4 is a little nearer to 1 than to 11.
     """
     places = {k: (2.5 * (k - 4), 0.0) for k in range(1, 8)}
     places.update({10 + k: (0.0, 2.6 * (k - 4)) for k in range(1, 8) if k != 4})
@@ -576,13 +580,13 @@ def crossing() -> Graph:
 
 
 def ended(fleet: SupervisedFleet) -> List[int]:
-    """The missions that succeeded, in order."""
+    """Returns the missions that succeeded, in order."""
     return [status.request_id for status in fleet.statuses
             if status.state is MissionState.SUCCEEDED]
 
 
 def both_cross(switches: bool) -> SupervisedFleet:
-    """In the plan, `a` reaches the crossing first. In fact `a` stands before the crossing for a
+    """Lets `a` and `b` cross. In the plan `a` is first, but it stands before the crossing for a
     minute.
     """
     fleet = SupervisedFleet(crossing(), {'a': (AGV, 1), 'b': (AGV, 11)}, switches=switches)
@@ -624,7 +628,7 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     robot, standstills = fleet.supervisor.robots['a'], Standstills()
 
     def stands(seconds: float) -> float:
-        """The expected further standstill, in s, after a standstill of the given seconds."""
+        """Returns the expected further standstill, in s, after a standstill of `seconds`."""
         robot.liveness._moved = fleet.now + 100.0 - seconds
         robot.liveness.seen = fleet.now + 100.0
         return standstills.further(robot, fleet.now + 100.0)
@@ -634,12 +638,12 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     fleet.request(1, 7)
     fleet.run(0.3)
     assert standstills.further(robot, fleet.now) == 0.0  # an edge has just been released to it
-    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # no experience yet: as long as so far
+    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # no experience: as long as it has stood
     for _ in range(6):
         stands(20.0)
         stands(0.0)
     assert stands(5.0) == pytest.approx(15.0)
-    assert stands(30.0) == 30.0  # longer than any standstill before
+    assert stands(30.0) == 30.0  # it has stood longer than in any earlier standstill
 
 
 # -- many missions are assigned to many robots at once ---------------------------------------------

@@ -487,7 +487,7 @@ def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_e
 
 @pytest.fixture
 def fleet():
-    """One robot on its way from 1 to 6, with an open mission."""
+    """Returns one robot on its way from 1 to 6, with an open mission."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -504,7 +504,7 @@ def hear(fleet, said, age=0.0):
 
 
 def ends_well(fleet):
-    """True if the mission ends as if nothing had happened."""
+    """Returns whether the mission ends as if nothing had happened."""
     fleet.run_until_done(1)
     return fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].travelled == pytest.approx(
         10.0)

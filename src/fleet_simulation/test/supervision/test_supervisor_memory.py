@@ -28,7 +28,7 @@ from world.supervised_fleet import SupervisedFleet, blocked
 # -- restarts --------------------------------------------------------------------------------------
 
 def cut_short(graph, length):
-    """A corridor without the vertices whose ids are above `length`."""
+    """Returns a corridor without the vertices whose ids are above `length`."""
     return Graph([v for v in graph.vertices.values() if v.id <= length],
                  [e for e in graph.edges.values() if e.destination <= length])
 
@@ -309,7 +309,7 @@ AHEAD = RobotSettings(release_ahead=8.0)
 
 
 def driving(to: int = 8, **others: int) -> SupervisedFleet:
-    """A fleet in which robot `a` drives from vertex 1 and serves mission 1."""
+    """Returns a fleet in which robot `a` drives from vertex 1 and serves mission 1."""
     robots = {'a': (AGV, 1), **{name: (AGV, vertex) for name, vertex in others.items()}}
     fleet = SupervisedFleet(corridor(8), robots, settings=AHEAD)
     fleet.request(1, to, robot='a')

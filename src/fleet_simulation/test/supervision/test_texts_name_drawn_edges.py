@@ -25,7 +25,7 @@ NAMED = re.compile(r'\b(edge|vert)(?:s|ex|ices)? ((?:-?\d+(?:, | and )?)+)', re.
 
 
 def foreign_names(text: str, drawn: Graph) -> Set[str]:
-    """The edges and vertices that the text names although the drawn graph does not have them."""
+    """Returns the edges and vertices that the text names but the drawn graph does not have."""
     known = {'edge': drawn.edges, 'vert': drawn.vertices}
     return {f'{kind} {id}' for kind, ids in NAMED.findall(text)
             for id in re.findall(r'\d+', ids) if int(id) not in known[kind.lower()]}
@@ -59,7 +59,7 @@ class TellingFleet(SupervisedFleet):
 
 
 def live(seed: int) -> Dict[str, None]:
-    """The texts of one random run in the yard, whose edges are cut into sections of 1 m."""
+    """Returns the texts of one random run in the yard, whose edges are cut into sections of 1 m."""
     draw = random.Random(f'life {seed}')
     kind = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
     fleet = TellingFleet(chaos.YARD, {name: (kind, 21 + k) for k, name in enumerate(ROBOTS)},
@@ -93,7 +93,7 @@ def fleet() -> TellingFleet:
 
 
 def carry(fleet: SupervisedFleet, robot: str, edge: int) -> None:
-    """A person carries a robot to the middle of a drawn edge."""
+    """Lets a person carry a robot to the middle of a drawn edge."""
     agv = fleet.agvs[robot]
     agv.forget()
     agv.edge, place = fleet.graph.nearest_edge(*DRAWN.curve(edge).point_at(1.0))

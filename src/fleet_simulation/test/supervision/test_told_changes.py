@@ -86,7 +86,7 @@ MAY_BE_OLDER: Dict[str, Callable[[Any, Any], bool]] = {
 
 
 def state_of(master: RouteMaster) -> Fields:
-    """All fields of a route master and its record, and all its answers, except `UNTOLD`."""
+    """Returns the fields of a route master and its record, and its answers, except `UNTOLD`."""
     found: Fields = {name: getattr(master, name) for name in ANSWERS}
     for owner in (master, master.record):
         for name, value in vars(owner).items():
@@ -96,13 +96,13 @@ def state_of(master: RouteMaster) -> Fields:
 
 
 def different(before: Fields, now: Fields) -> Dict[str, Tuple[object, object]]:
-    """The fields that differ, with both values."""
+    """Returns the fields that differ, with both values."""
     return {name: (before.get(name), now.get(name)) for name in {**before, **now}
             if before.get(name) != now.get(name)}
 
 
 def fields_of(memory: Memory) -> Fields:
-    """All fields of the stored state of a route master by name."""
+    """Returns all fields of the stored state of a route master by name."""
     found = {**memory._asdict(),
              **{one.name: getattr(memory.protocol, one.name) for one in fields(memory.protocol)}}
     del found['protocol']
@@ -110,7 +110,7 @@ def fields_of(memory: Memory) -> Fields:
 
 
 def stored_fields(memory: RobotMemory) -> Fields:
-    """All fields of the stored state of a robot by name."""
+    """Returns all fields of the stored state of a robot by name."""
     kind = memory.kind
     found = {**memory._asdict(), **fields_of(memory.master),
              'kind': kind and (kind.name, kind.radius, kind.fastest, kind.play)}
@@ -119,7 +119,7 @@ def stored_fields(memory: RobotMemory) -> Fields:
 
 
 def wrong_in(stored: Fields, now: Fields) -> Dict[str, Tuple[object, object]]:
-    """The stored fields that are older than they may be."""
+    """Returns the stored fields that are out of date, except those that may be."""
     return {name: pair for name, pair in different(stored, now).items()
             if not MAY_BE_OLDER.get(name, lambda *_: False)(*pair)}
 
@@ -203,7 +203,7 @@ class Drive:
                 'stamp': self.draw.choice((0, said.stamp, self.now * 10 ** 6))}
 
     def _order(self, said: RouteReport) -> Dict[str, Any]:
-        """The robot takes an order."""
+        """Lets the robot take an order."""
         if not self.master.protocol.open:
             return {}
         order = self.draw.choice(self.master.protocol.open)
@@ -212,7 +212,7 @@ class Drive:
                 'motion': Motion.ON_ROUTE if order.edges else Motion.STANDING}
 
     def _route(self, said: RouteReport) -> Dict[str, Any]:
-        """The robot completes edges of its route, or the route fails."""
+        """Lets the robot complete edges of its route, or lets the route fail."""
         count = self.draw.randint(0, len(said.edges))
         state = self.draw.choice((EdgeState.PROCESSING, EdgeState.PROCESSING, EdgeState.FAILED))
         return {'states': ((EdgeState.COMPLETE,) * count + (state,) * len(said.edges)
@@ -269,7 +269,7 @@ def test_a_route_master_tells_each_change_that_a_report_or_command_makes() -> No
 
 
 def forgets(number: int) -> property:
-    """The property `_known` without the field of this number, as if the code lacked this field."""
+    """Returns the property `_known` without field `number`, as if the code lacked this field."""
     whole = RouteMaster.__dict__['_known'].fget
     return property(lambda master: (*whole(master)[:number], *whole(master)[number + 1:]))
 
@@ -338,7 +338,7 @@ class ObservedFleet(SupervisedFleet):
             memory = outbox._memory(name)
             assert memory is not None
             older = wrong_in(stored_fields(self._stored[name]), stored_fields(memory))
-            if self.supervisor._run.is_wrong:  # then a restart also makes each place doubtful
+            if self.supervisor._run.is_wrong:  # in this case a restart makes all places doubtful
                 older.pop('unknown', None)
             assert not older, f'the journal has an older state of {name}'
 

@@ -31,14 +31,14 @@ LIVES = 6
 
 
 def why(fleet: VirtualFleet, id: int) -> MissionReason:
-    """The reason why a mission waits."""
+    """Returns the reason why a mission waits."""
     mission = fleet.supervisor.book.find(id)
     assert mission is not None
     return mission_reason(mission, fleet.supervisor, fleet.now)
 
 
 def why_not(fleet: VirtualFleet, id: int, robot: str = 'a') -> RobotReason:
-    """The reason why a robot does not serve a mission."""
+    """Returns the reason why a robot does not serve a mission."""
     return next(one for one in why(fleet, id).robots if one.robot == robot)
 
 
@@ -50,7 +50,7 @@ def code(fleet: VirtualFleet, id: int = 1) -> WaitCode:
 
 
 def silent_mission(fleet: VirtualFleet) -> Optional[str]:
-    """An open mission that makes no progress and shows no reason; None: there is no such mission.
+    """Returns an open mission that makes no progress and shows no reason; None: there is none.
     """
     for mission in fleet.supervisor.book.open:
         told = why(fleet, mission.request.id)
@@ -70,7 +70,7 @@ def silent_mission(fleet: VirtualFleet) -> Optional[str]:
 
 @lru_cache(maxsize=None)
 def lived(seed: int) -> Tuple[Optional[str], FrozenSet[object]]:
-    """The first silent mission of a random run, and all causes of waiting that occurred."""
+    """Returns the first silent mission of a random run, and all causes of waiting that occurred."""
     life = Life(seed)
     found: Set[object] = set()
     for _ in range(DISTURBED):

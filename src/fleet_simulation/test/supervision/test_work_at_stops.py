@@ -406,7 +406,7 @@ def test_a_mission_without_steps_stays_with_the_robot_that_carries_its_load():
 
 
 def moved_to(fleet: WorkingFleet, edge: int, name: str = 'a') -> None:
-    """A person takes a robot out of service, carries it to an edge's start, and brings it in."""
+    """Lets a person take a robot out, carry it to an edge's start, and bring it in."""
     fleet.do(fleet.supervisor.take_out(name, fleet.now))
     fleet.agvs[name].be_carried(edge, 0.0)
     fleet.run(2.0)
@@ -414,7 +414,7 @@ def moved_to(fleet: WorkingFleet, edge: int, name: str = 'a') -> None:
 
 
 def working_fleet(*words: Word) -> WorkingFleet:
-    """A fleet whose robot works at its first stop. The outcomes of the first steps are `words`."""
+    """Returns a fleet whose robot works at its first stop. Its first steps end with `words`."""
     fleet = WorkingFleet()
     for word in words:
         fleet.steps['a'].fail_next(word, 1)
@@ -534,7 +534,7 @@ def test_a_mission_whose_robot_drops_out_before_its_steps_begins_anew_with_anoth
 
 
 def worked_before(fleet: WorkingFleet, name: str, key: int, *, runs: bool = False) -> None:
-    """The robot has taken a step of another fleet manager; `runs`: the step still runs."""
+    """Lets the robot take a step of another fleet manager; `runs`: the step still runs."""
     steps = fleet.steps[name]
     seconds = '30' if runs else '0'
     steps.receive(StepCommand(key, StepAct.DO, 1, 'other', (('seconds', seconds),)))

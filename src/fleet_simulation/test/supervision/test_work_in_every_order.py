@@ -28,7 +28,7 @@ from world.supervised_fleet import SupervisedFleet
 
 LIVES = 200 if LONG else 12 if is_whole(__file__) else 2
 FAULTS = (Word.FAILED, Word.UNKNOWN, Word.RUNNING)
-DISTURBED = 1500   # steps of the world
+DISTURBED = 1500   # number of steps of the world with disturbances
 
 
 class Life(SupervisedFleet):
@@ -145,7 +145,7 @@ class Life(SupervisedFleet):
 
 
 def live(seed: int) -> Life:
-    """A disturbed run of a fleet, checked after each step."""
+    """Simulates a disturbed run of a fleet, and checks it after each step."""
     life = Life(seed)
     for _ in range(DISTURBED):
         life.disturb()

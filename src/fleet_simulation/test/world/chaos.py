@@ -21,10 +21,10 @@ DOCKS = (24, 25)
 SAME = 3  # instead of a robot's rank: the robot of the previous event
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
-_CLOCK = 3.0  # s by which a wrong clock is ahead; more than the longest delay of a report
+_CLOCK = 3.0  # s; a wrong clock is ahead by this time, which exceeds each delay of a report
 _FAR = 1.5  # m; a robot farther away from another robot and its route is not in its way
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
-_CHARGING = 0.05  # share of the battery that is charged per second in the dock
+_CHARGING = 0.05  # charge (0..1) that a battery gains per second in the dock
 
 
 def yard() -> Graph:

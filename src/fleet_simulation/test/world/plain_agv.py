@@ -35,9 +35,9 @@ LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
-_TREMBLE = 0.05  # m by which the location of a standing AGV may change
-_NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
-_JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
+_TREMBLE = 0.05  # m; the location of a standing AGV may change by this much
+_NEAR = 0.3     # m; from this distance to a vertex, a route may begin at the vertex
+_JUST_LEFT = 0.5  # m; up to this far past a vertex, a route may begin with the edge before it
 _EPOCHS: Iterator[int] = count(10 ** 6)
 
 _NO_ORDERS: Dict[str, Any] = {'taken': 0, 'refused': 0, 'refusal': NO_REASON}
@@ -51,7 +51,7 @@ class Agv:
     refusing  -- number of its next orders that it refuses
     emergency -- if True, its route fails, and it refuses orders
     off_graph -- if True, it refuses orders and reports no pose
-    near      -- m from a vertex within which the AGV counts as at the vertex; if a test changes
+    near      -- m; within this distance of a vertex the AGV is at the vertex; if a test changes
                  `near`, a route from the vertex must begin with an edge that leads away from it
     braking   -- m that it needs to stop; after the loss of its route it rolls this far along the
                  route
@@ -86,8 +86,8 @@ class Agv:
         self.knows: Dict[str, Any] = {'report': 0}
         self._start_without_memory()
         self._refused: Optional[RouteRefusal] = None  # the last refusal of an unnumbered order
-        self._to_begin = 0.0  # m to drive back on this edge, to the start of the route
-        self._rolls = 0.0     # m that it rolls on after the loss of its route
+        self._to_begin = 0.0  # m; distance to drive back on this edge to the start of the route
+        self._rolls = 0.0     # m; distance that it still rolls after the loss of its route
         self._rolls_along: Tuple[int, ...] = ()  # the edges after the present one
         self._giver: Optional[str] = None        # the master whose route it drives
         self._waits: Optional[RouteOrder] = None  # a route that waits until it stands
@@ -111,12 +111,12 @@ class Agv:
 
     @staticmethod
     def seconds_left(ahead: float) -> float:
-        """Infinite: it does not know its motion in advance."""
+        """Returns infinity, because the AGV does not know its motion in advance."""
         return math.inf
 
     @staticmethod
     def seconds_past(number: int, fraction: float, distance: float) -> float:
-        """Infinite: it does not know its motion in advance."""
+        """Returns infinity, because the AGV does not know its motion in advance."""
         return math.inf
 
     @property
@@ -238,7 +238,7 @@ class Agv:
         self.knows.update(_NO_ORDERS, epoch=next(_EPOCHS), cause=cause)
 
     def ignores(self, order: RouteOrder) -> bool:
-        """Whether this order, received now, would neither stop the AGV nor be driven."""
+        """Returns whether the AGV would neither drive this order nor stop because of it."""
         knows = self.knows
         return bool(order.order) and (
             order.master == knows['master']
@@ -345,7 +345,7 @@ class Agv:
         return self._refused
 
     def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Whether this order is the last refused order; it is then refused again."""
+        """Returns whether this order is the last refused order; it is then refused again."""
         refused = self._refused
         return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
 
@@ -408,8 +408,8 @@ class Agv:
         return None
 
     def _cannot_brake(self) -> bool:
-        """Whether the AGV is to drive on after this edge, and is too near to the end of the edge to
-        stop there.
+        """Returns whether the AGV is to drive on after this edge and cannot stop at the end of the
+        edge any more.
         """
         return (self.phase is Phase.RUNNING and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
@@ -683,7 +683,7 @@ class LostLink:
         return refusal
 
     def _counted(self) -> RouteReport:
-        """Returns the last report, with the orders that are counted now."""
+        """Returns the last report, with the present epoch and order numbers of the robot."""
         knows = self._agv.knows
         return replace(self._said, epoch=knows['epoch'], cause=knows['cause'],
                        master=knows['master'] or '', order=knows['taken'],

@@ -21,9 +21,9 @@ from fleet_simulation.virtual_fleet import STEP, route_order
 from trajectory_graph import Graph
 from world.supervised_fleet import SupervisedFleet, blocked
 
-STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
-_EXACT = 0.06  # m by which a standing robot may deviate from its known place
-_STANDS = 1.5       # s from the first report after a silence until the robot is known to stand
+STOPS_WITHIN = 3.5  # s; within this time a robot that can be reached receives a stop
+_EXACT = 0.06  # m; a standing robot may deviate by this much from its known place
+_STANDS = 1.5       # s; time from the first report after a silence until a robot is known to stand
 
 
 @dataclass

@@ -16,14 +16,14 @@ from fleet_core.supervision.run_number import RUN_NUMBER
 from fleet_simulation.virtual_fleet import STEP
 from world.chaos import YARD, Chaos, Event
 
-_PUSH = 0.05  # m that a person pushes a robot in one step
+_PUSH = 0.05  # m; distance by which a person pushes a robot in one step
 _PUSHES = (2, 6, 20, 40)  # numbers of such steps
 _SHARES = (0.0, 0.25, 0.5, 0.75)
 _ASIDE = (0.03, 0.1, 0.3, 0.6)  # m
 _SIDES = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 _HOUR = 3600.0
-_REACTION = 0.5  # s from an event until a stop reaches a robot, if no message is delayed
-_MORE = 0.05  # m of free space that a person adds
+_REACTION = 0.5  # s; time from an event until a stop reaches a robot, if no message is late
+_MORE = 0.05  # m; additional free space that a person leaves
 
 
 class RareChaos(Chaos):

@@ -22,12 +22,12 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 Place = Tuple[float, float]
 
-SKEW = 0.06  # m that robots move between the answers of two simulators
+SKEW = 0.06  # m; robots move this far between the answers of two simulators
 NEAR = 0.6  # m; a robot within this distance of a vertex has visited the vertex
 CLOSE = 0.5  # m; if a moved robot has less free space to another one, missions of both may fail.
 #              The second robot stops where it is, so the same holds for a third robot near it.
 _LOOKS_AFTER = 2  # samples after a status until the robot's place at the status is known
-STANDS = 0.15  # m by which a stopped robot may still move
+STANDS = 0.15  # m; a stopped robot may still move by this much
 
 
 class State(enum.IntEnum):
@@ -74,7 +74,7 @@ class Witness:
     radii     -- radius (m) of each robot by its name
     clearance -- m that must stay free between two robots
     vertices  -- positions of the graph's vertices by id, in m
-    grace     -- s within which a robot that can be reached must stand after a stop
+    grace     -- s; within this time after a stop, a robot that can be reached must stand
     """
 
     def __init__(self, radii: Mapping[str, float], clearance: float,

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-LARGEST_GRID = 50_000_000  # cells
+LARGEST_GRID = 50_000_000  # number of cells
 EXACT = 1.0  # m; smaller clearances are computed from the positions of obstacles
 EVERY_NEIGHBOUR = np.ones((3, 3), bool)
 
@@ -40,8 +40,8 @@ class Floor:
 
     @cached_property
     def clearance(self) -> np.ndarray:
-        """(rows, columns), m: distance from each cell's centre to the nearest obstacle or edge of
-        the floor.
+        """The distance (rows, columns; m) from each cell's centre to the nearest obstacle or edge
+        of the floor.
         """
         clearance = self._distance_to(~self.inside | self.occupied)
         if self.obstacles is not None and len(self.obstacles):
@@ -52,8 +52,8 @@ class Floor:
         return clearance
 
     def _distance_to(self, cells: np.ndarray) -> np.ndarray:
-        """Returns (rows, columns), m: the distance from each cell's centre to the nearest centre of
-        `cells`.
+        """Returns the distance (rows, columns; m) from each cell's centre to the nearest centre of
+        a cell in `cells`.
         """
         free = np.pad(~cells, 1)
         return (ndimage.distance_transform_edt(free)[1:-1, 1:-1] * self.resolution

@@ -56,7 +56,7 @@ def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> in
 
 
 def add_site_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options that name the map and its part to use."""
+    """Adds the options that name the map and the part of the map that is used."""
     parser.add_argument('--map', required=True, metavar='M', help="a robot's .map, the .yaml of a "
                         'ROS map, or topic:/map for a nav_msgs/OccupancyGrid that is published')
     parser.add_argument('--area', metavar='X1,Y1,X2,Y2', help='the part of the map that is used, m '

@@ -15,11 +15,11 @@ from graph_editor.site import MappedSite
 from omron_map.canvas import label_font
 from trajectory_graph import CurveType, Graph
 
-MADE_BY = 'written by make_graph'  # in each picture; scripts/new_site.sh looks for it
+MADE_BY = 'written by make_graph'  # text in each picture; scripts/new_site.sh looks for it
 LARGEST_SIDE = 2000  # px
 PIXELS_PER_METRE = 60.0
 SUPERSAMPLING = 2
-BORDER = 0.6  # m around the contents
+BORDER = 0.6  # m; margin around the contents
 PAPER, OUTSIDE, WALL = (255, 255, 255), (236, 237, 242), (20, 20, 20)
 CORRIDOR, LINE, SPLINE = (206, 227, 248), (20, 90, 190), (130, 60, 190)
 VERTEX, PARKING, PLACE, DOCK = (40, 60, 90), (230, 130, 0), (0, 140, 60), (150, 0, 150)

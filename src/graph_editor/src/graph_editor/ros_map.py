@@ -21,8 +21,8 @@ from graph_editor.floor import LARGEST_GRID
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
 
-UNKNOWN = 205  # the grey of unknown cells in images of map_saver
-_MODES = ('1', 'L', 'LA', 'RGB', 'RGBA', 'I', 'I;16', 'I;16B')  # of Pillow
+UNKNOWN = 205  # grey value of unknown cells in images of map_saver
+_MODES = ('1', 'L', 'LA', 'RGB', 'RGBA', 'I', 'I;16', 'I;16B')  # modes of Pillow
 _KEYS = ('image', 'resolution', 'origin', 'occupied_thresh', 'free_thresh', 'negate', 'mode')
 
 

@@ -18,7 +18,7 @@ from trajectory_graph.editing import Draft
 
 
 def draft() -> Draft:
-    """A line from 1 to 2, a spline from 2 to 3; 3 is a dock."""
+    """Returns a draft with a line from vertex 1 to 2 and a spline from 2 to the dock 3."""
     return Draft.of(Graph(
         [Vertex(1, 0.0, 0.0, 0.0, label='pass'), Vertex(2, 4.0, 0.0, 0.0, label='press'),
          Vertex(3, 6.0, 2.0, math.pi / 2.0, label='dock', dock=True)],
@@ -75,7 +75,7 @@ def test_ids_differ():
 
 
 def colours(marker) -> list:
-    """The colours in a marker in their order, without the colour of words and numbers."""
+    """Returns the colours of a marker in their order, except the colour of words and numbers."""
     return list(dict.fromkeys(rgb(paint) for paint in shapes(
         marker, Marker.TRIANGLE_LIST)[0].colors if paint != handles.BLACK))
 

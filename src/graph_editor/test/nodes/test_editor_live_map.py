@@ -15,7 +15,7 @@ from graph_editor.site import SiteOptions
 
 
 def grid(rows: int = 60, columns: int = 160) -> OccupancyGrid:
-    """A room of 8 x 3 m with walls around it; its lower left corner is at (-1, 2) m."""
+    """Returns a room of 8 x 3 m with walls around it; the lower left corner is at (-1, 2) m."""
     cells = np.zeros((rows, columns), np.int8)
     cells[(0, -1), :] = cells[:, (0, -1)] = 100
     message = OccupancyGrid()

@@ -157,7 +157,7 @@ def test_the_menu_of_a_robot_has_answers_while_its_step_asks(monkeypatch):
     before = titles()[MenuAct.RETRY.value]
     shown.show_robots(here, {'a': Ask(9, ANSWERS[1:])})
     assert MenuAct.RETRY.value not in titles()
-    for entry in (before, titles()[MenuAct.SKIP.value]):  # `before`: entry of an open menu
+    for entry in (before, titles()[MenuAct.SKIP.value]):  # `before`: from a menu opened earlier
         shown._menus['robot a'].processFeedback(InteractiveMarkerFeedback(menu_entry_id=entry))
     assert chosen == [(MenuAct.RETRY, Subject(robot='a', step=5)),
                       (MenuAct.SKIP, Subject(robot='a', step=9))]

@@ -103,7 +103,10 @@ def test_programs_get_all_fields_as_json():
 
 @pytest.fixture
 def called(monkeypatch):
-    """The called services. Robot `gone` is no longer in the fleet file; robot `near` reports."""
+    """Returns the services that were called.
+
+    Robot `gone` is no longer in the fleet file; robot `near` reports.
+    """
     called = []
 
     def call(service, kind, *arguments):

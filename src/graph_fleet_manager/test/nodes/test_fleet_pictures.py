@@ -225,7 +225,10 @@ def test_a_sentence_above_the_graph_is_whole_and_beside_the_buttons(graph):
 
 
 def plan(*drives):
-    """The plan of agv_1: edges, and whether they are released. Released edges come first."""
+    """Returns a plan of agv_1. Each drive is an edge and whether it is released.
+
+    Released edges come first.
+    """
     return FleetPlan(plans=[RobotPlan('agv_1', PlannedDrives(edges=[edge for edge, _ in drives]),
                                       sum(released for _, released in drives))])
 

@@ -29,7 +29,7 @@ class _Publisher:
 
 @pytest.fixture
 def made(monkeypatch) -> List[float]:
-    """The times of all plans for which views were made."""
+    """Returns a list with one entry for each plan for which views were made."""
     found: List[float] = []
 
     def plan_views(progress):

@@ -149,7 +149,7 @@ TOPICS = {'/a/target_route': 'itrci_nav_msgs/TargetRoute', '/fleet_state': 'x/Fl
 
 @pytest.fixture
 def hung(monkeypatch):
-    """A fleet manager that accepts calls but does not answer, and a ROS master that works."""
+    """Provides a fleet manager that accepts calls but does not answer, and a working ROS master."""
     monkeypatch.setattr(stop, 'PATIENCE', 0.1)
     stop_address.note('http://127.0.0.1:1', FleetManager().address)
     monkeypatch.setattr(MasterApi, 'topic_types', lambda *_: TOPICS)

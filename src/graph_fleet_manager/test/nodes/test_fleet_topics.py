@@ -78,7 +78,7 @@ def test_an_answer_to_an_older_question_is_none(topics):
 
 
 def answer_to(request, result=PlanAnswer.PLANNED):
-    """The planner's answer."""
+    """Returns the planner's answer to this request."""
     answer = PlanAnswer(plan_id=request.plan_id, result=result)
     answer.header.stamp = request.header.stamp
     return answer

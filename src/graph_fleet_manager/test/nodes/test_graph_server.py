@@ -44,7 +44,7 @@ def test_a_graph_is_surveyed_although_the_priority_may_not_be_changed(
 
 @pytest.fixture
 def graph() -> Graph:
-    """A graph with edge 7 in three sections, 9 to 11, and with the short edge 8."""
+    """Returns a graph with edge 7 in three sections, 9 to 11, and with the short edge 8."""
     drawn = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0), Vertex(3, 7.0, 0.0, 0.0)],
                   [Edge(7, 1, 2), Edge(8, 2, 3)])
     return split_edges(drawn, 2.0)

@@ -446,7 +446,7 @@ def test_a_timetable_is_paused_and_resumed(monkeypatch, word, paused):
 
 @pytest.fixture
 def explained(monkeypatch):
-    """The fleet manager's answer to `mission why`; None: it does not answer."""
+    """Sets the answer of the fleet manager to `mission why`."""
     told = ExplainMissionResponse(
         found=True, state=MissionStatus.PENDING, waits_for_code=ExplainMissionResponse.ROBOT,
         waits_for='it waits for a robot to be free', until=41.6, robots=[

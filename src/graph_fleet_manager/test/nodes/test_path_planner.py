@@ -24,7 +24,7 @@ class Answers:
 
 @pytest.fixture
 def planner():
-    """A planner that has no thread, so each request waits."""
+    """Returns a planner that has no thread, so each request waits."""
     planner = object.__new__(PathPlanner)
     planner._changed, planner._times, planner._rate = threading.Condition(), TimesKept(), 1.0
     planner._request, planner._answers = None, Answers()
@@ -43,7 +43,7 @@ def test_a_request_that_comes_twice_does_not_supersede_itself(planner):
     assert planner._answers.sent == []
 
 
-@pytest.mark.parametrize('newer', [request(2, 6), request(1, 6)])  # also of another supervisor
+@pytest.mark.parametrize('newer', [request(2, 6), request(1, 6)])  # 2nd: of another supervisor
 def test_a_newer_request_supersedes_the_one_that_waits(planner, newer):
     planner._on_request(request(1, 5))
     planner._on_request(newer)

@@ -27,7 +27,7 @@ class Dialogue:
         self.sizes = []
 
     def request(self, table: Table) -> msg.PlanRequest:
-        """The request that the supervisor publishes."""
+        """Returns the request that the supervisor publishes."""
         self.plan_id += 1
         return self.filled(msg.PlanRequest(plan_id=self.plan_id), table)
 
@@ -40,7 +40,7 @@ class Dialogue:
         return msg.PlanRequest().deserialize(buffer.getvalue())
 
     def table_of(self, message: msg.PlanRequest) -> Optional[Table]:
-        """The times that the planner uses; None if it answers OTHER_TIMES."""
+        """Returns the times that the planner uses; None if it answers OTHER_TIMES."""
         found = self.kept.table_of(message, self.rate)
         return None if found is None else dict(found)
 

@@ -67,18 +67,18 @@ requests = st.builds(
 
 
 def outlined(x, y, radius=0.0):
-    """A request with one obstacle that has one outline."""
+    """Returns a request with one obstacle that has one outline."""
     return msg.PlanRequest(obstacles=[msg.FleetObstacle(
         robot='r1', robot_type='agv', outlines=[msg.Outline(x, y, radius)])])
 
 
 def laden(name, robot_type, radius, speed):
-    """The laden type of a request."""
+    """Returns the laden type of a request."""
     return msg.LadenType(name, robot_type, radius, speed, [])
 
 
 def through_ros(message):
-    """The message as a subscriber gets it."""
+    """Returns the message as a subscriber gets it."""
     buffer = BytesIO()
     message.serialize(buffer)
     return type(message)().deserialize(buffer.getvalue())

@@ -31,7 +31,7 @@ _PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
 def to_json(value: Any) -> Any:
-    """Returns a value in the types of JSON."""
+    """Converts a value to types that JSON has."""
     if is_dataclass(value):
         return {field.name: to_json(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Enum):
@@ -48,7 +48,7 @@ def from_json(kind: Type[Kind], found: Any, added: Container[str] = (),
     """Returns the value of type `kind` that `to_json` has converted to `found`.
 
     added   -- fields of dataclasses that older versions did not write; they get their defaults
-    instead -- types of fields of `kind` that are narrower than its annotations
+    instead -- narrower types for fields of `kind`; they replace the annotations of these fields
 
     Raises TypeError or ValueError.
     """

@@ -212,7 +212,7 @@ class Host:
         if program.pid:
             _send_signal(program, number)
         else:
-            self._report(program, number)  # as if the signal had ended it, before there is a fork
+            self._report(program, number)  # no fork exists yet: the signal counts as its end
 
     def _forget_connection(self, program: _Program) -> None:
         if program.pid:
@@ -243,7 +243,7 @@ class Host:
         program.streams = []
 
     def _close(self) -> None:
-        """Closes, in a fork, all that the host has open."""
+        """Closes all that the host has open; each fork calls this."""
         signal.set_wakeup_fd(-1)
         self._selector.close()
         for one in (self._listener, self._wakeup, self._wakeup_end):

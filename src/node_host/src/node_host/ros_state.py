@@ -28,7 +28,7 @@ def prepare() -> None:
             os.environ[CONFIGURATION] = found
     configparser.ConfigParser().read(os.environ.get(CONFIGURATION, []))
     yaml.safe_load('{key: [1, 1.5, true, text]}')
-    'localhost'.encode('idna')  # as sockets encode each name
+    'localhost'.encode('idna')  # sockets encode each host name in this way
     xmlrpc.client.loads(xmlrpc.client.dumps((1, 'text', ['list', {'key': 1.0}]), 'call'))
     http.client.parse_headers(io.BytesIO(b'Content-Type: text/xml\r\nContent-Length: 1\r\n\r\n'))
 

@@ -23,7 +23,7 @@ _FILLER: List[object] = []
 def fill_holes() -> None:
     """Fills the holes with objects."""
     _FILLER.extend(object() for _ in range(SMALL_HOLES))  # 16 bytes
-    _FILLER.extend(map(float, range(SMALL_HOLES)))  # 24, which takes 32
+    _FILLER.extend(map(float, range(SMALL_HOLES)))  # 24 bytes, which take 32
     for size in range(3 * STEP, LARGEST + 1, STEP):
         _FILLER.extend(bytes(size - _BYTES_ITSELF)
                        for _ in range(SMALL_HOLES if size <= SMALL else HOLES))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Dict, Generic, Hashable, List, Optional, TypeVar
 
 AT_A_TIME = 6
-START_WITHIN = 5.0  # s; then a program counts as started even if it has not reported its start
+START_WITHIN = 5.0  # s; after this time a program counts as started even without its report
 SOON = 10.0  # s; an end within this time after the start counts as early
 FIRST_DELAY = 1.0  # s, after two early ends in a row; each further early end doubles the delay
 LONGEST_DELAY = 30.0  # s

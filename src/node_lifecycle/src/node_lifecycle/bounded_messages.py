@@ -28,7 +28,7 @@ from node_lifecycle.log_throttle import warn
 from node_lifecycle.message_limits import limit_of
 
 LARGEST_HEADER = 2**18  # bytes; a header contains the definition of its message type
-_LENGTH = struct.Struct('<I')  # before each message, and before the header
+_LENGTH = struct.Struct('<I')  # the length that precedes each message and the header
 
 Read = Callable[[Any, BytesIO, List[Any], socket], None]
 OnTooLarge = Callable[[str], None]

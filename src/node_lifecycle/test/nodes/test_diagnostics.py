@@ -12,7 +12,7 @@ from node_lifecycle import diagnostics
 
 @pytest.fixture(autouse=True)
 def told(monkeypatch) -> List[str]:
-    """The messages in the log."""
+    """Returns the messages in the log."""
     messages: List[str] = []
     monkeypatch.setattr(diagnostics, 'warn', lambda kind, message: messages.append(message))
     return messages

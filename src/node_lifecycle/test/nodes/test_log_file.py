@@ -30,7 +30,7 @@ class FullDisk(logging.Handler):
 
 @pytest.fixture(autouse=True)
 def master(monkeypatch):
-    """A ROS master, and rospy without its cache of parameters."""
+    """Replaces the ROS master, and rospy's cache of parameters by an empty one."""
     asked, cache = [], ParamServerCache()
     monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
     monkeypatch.setattr(log_file.rospy, 'get_param',

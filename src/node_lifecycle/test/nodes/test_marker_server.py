@@ -12,7 +12,7 @@ from node_lifecycle.marker_server import OrderedMarkerServer
 
 @pytest.fixture
 def sent(monkeypatch) -> list:
-    """The messages that the library's server would publish, in order."""
+    """Returns the messages that the library's server would publish, in order."""
     messages = []
     for name in ('publishInit', 'keepAlive', 'applyChanges'):
         monkeypatch.setattr(InteractiveMarkerServer, name,

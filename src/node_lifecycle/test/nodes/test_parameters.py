@@ -12,7 +12,7 @@ from node_lifecycle.parameters import REQUIRED
 
 @pytest.fixture
 def given(monkeypatch):
-    """The parameters that the server has."""
+    """Returns the parameters that the server has; a test adds some."""
     values = {}
     monkeypatch.setattr(rospy, 'get_param', lambda name, default: values.get(name, default))
     monkeypatch.setattr(rospy, 'resolve_name', lambda name: name.replace('~', '/node/'))

@@ -17,7 +17,7 @@ PERIOD = 0.01  # s
 
 @pytest.fixture
 def simulated_time() -> Iterator[None]:
-    """ROS time under /use_sim_time: it stands still at 0 until a test moves it."""
+    """Sets ROS time as under /use_sim_time: it stands still at 0 until a test moves it."""
     rostime.switch_to_wallclock()
     rostime.set_rostime_initialized(True)
     rostime._set_rostime(genpy.Time(0))
@@ -28,7 +28,7 @@ def simulated_time() -> Iterator[None]:
 
 @pytest.fixture
 def calls() -> Iterator[threading.Semaphore]:
-    """A semaphore that is released at each call."""
+    """Yields a semaphore that is released at each call."""
     called = threading.Semaphore(0)
     periodic = Periodic('test', PERIOD, called.release)
     yield called
@@ -84,7 +84,7 @@ def end(periodic: Periodic) -> None:
 
 @pytest.fixture
 def said() -> Iterator[List[str]]:
-    """The lines of the node's log."""
+    """Yields the lines of the node's log."""
     logger, lines = logging.getLogger('rosout'), []
     handler = logging.Handler()
     handler.emit = lambda record: lines.append(record.getMessage())

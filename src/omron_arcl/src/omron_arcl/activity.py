@@ -81,7 +81,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Returns a reader of lines about a goal; `point` is for a goal whose name is coordinates."""
+    """Returns a reader of lines about a goal; `point`: the kind if coordinates name the goal."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]

@@ -90,7 +90,7 @@ class Begins(Enum):
     OTHERS = 'for another client'
 
 
-Found = Union[bool, Sequence[Execution]]  # whether a row holds, or the commands of the line
+Found = Union[bool, Sequence[Execution]]  # whether a row holds, or the commands concerned
 Find = Callable[[CommandQueue, Any], Found]
 
 
@@ -192,8 +192,10 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _refused(self, execution: Execution) -> None:
-        """Handles the refusal of a drive for which the robot seemed to set out: the robot has set
-        out for another client. If it has been stopped since then, this is known already.
+        """Handles the refusal of a drive for which the robot seemed to set out.
+
+        In fact the robot has set out for another client. Nothing is noted if the robot has halted
+        since then.
         """
         text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
         is_refused = execution.result is not None and execution.result.outcome in REFUSED
@@ -263,7 +265,7 @@ Scope = Callable[[CommandQueue], Sequence[Execution]]
 
 
 def _first(scope: Scope, fits: Callable[[Execution, Any], object]) -> Find:
-    """Finds, among the commands of a scope, the first that fits the line."""
+    """Returns a function that finds the first command of a scope that fits the line."""
     return lambda commands, reply: [e for e in scope(commands) if fits(e, reply)][:1]
 
 
@@ -379,8 +381,8 @@ def _refused(commands: CommandQueue) -> Sequence[Execution]:
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """Returns the newest unanswered command, for a line that names no command.
 
-    Other commands come before drives and stops: if a drive ended here, but the robot carried it
-    out, the drive would have no giver.
+    Commands that are neither drives nor stops come first. A drive that is ended here by mistake
+    would have no giver while the robot carries it out.
     """
     unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
@@ -411,7 +413,7 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
 
 
 def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]:
-    """Returns those drives that the line is about, and that have ended for their givers.
+    """Returns the drives that the line is about, if they have already ended for their givers.
 
     For a refusal, this is the drive that the refusal names, if the robot has to answer it next. For
     `Interrupted`, these are the drives that may have caused the interrupted motion.
@@ -578,7 +580,10 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns a drive that fails before it begins; later, the status decides about the drive."""
+    """Returns the drive that fails before it begins.
+
+    If the robot has begun a drive, no drive is returned: the status decides about this drive.
+    """
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -587,7 +592,7 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 
 def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
     """Returns whether the robot says `Stopped` unexpectedly, and has sent no `Stopping` for our
-    stop: the last `Stopping` was attributed wrongly.
+    stop. If so, the last `Stopping` was for our stop, but was attributed to another cause.
     """
     heard = commands.records.heard
     return heard.will_not_stand and heard.unheard_stops > 0
@@ -596,9 +601,9 @@ def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
     """Returns our oldest stop for which no `Stopping` has come.
 
-    True: this stop has ended for its giver already. False: there is no such stop, or another halt
-    may come first: while the robot has to answer a drive before the stop, it may halt by itself
-    (`SelfStop`), or because that drive replaces its motion.
+    Returns True if this stop has already ended for its giver. Returns False if there is no such
+    stop, or if another halt may come first: while the robot has to answer a drive before the stop,
+    it may halt by itself (`SelfStop`), or because that drive replaces its motion.
     """
     records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]

@@ -16,7 +16,7 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
 _STANDSTILL = 1.0  # s; after a longer time between two reads, the received data may be old
-_GAPS = 4.0  # if a pause of the peer is so many times as long as usual, its data may be old
+_GAPS = 4.0  # after a pause of the peer so many times the usual one, its data may be old
 # Data counts as new again if the thread has waited for it longer than _DRAINED. If the data has
 # been old for longer than _FLUSHED, a wait longer than _WAITED suffices.
 _DRAINED = 0.03  # s

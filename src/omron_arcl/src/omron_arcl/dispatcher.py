@@ -29,7 +29,7 @@ _QUIET = 1.0  # s; without a line for so long, an answer of unknown length is ov
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
 _LONGEST_ANSWER = 60.0  # s from sending a query or stop to its end, regardless of its lines
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
-_LONGEST_REPLACEMENT = 5.0  # s; a cancelled drive is stopped if no newer one replaces it by then
+_LONGEST_REPLACEMENT = 5.0  # s; if no newer drive replaces a cancelled one by then, a stop is sent
 
 
 class Dispatcher:

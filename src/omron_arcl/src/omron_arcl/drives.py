@@ -10,9 +10,11 @@ table which command a line of the robot is about, and reports the events to this
 
 A newer drive, stop or event replaces older records. A replaced record is dropped: nothing is
 derived from it any more. But if its command is still under way for its giver, the record is kept
-aside until the command ends. An open record is never dropped to save room. Instead, while the robot
-has MOST_OPEN drives to carry out or to answer, a further drive is refused. If several stops are
-owed between two drives, the newest may replace the others; its record then has their common fate.
+aside until the command ends. A command *ends for its giver* when the giver gets its result; the
+robot may still obey the command, or still have to answer it. An open record is never dropped to
+save room. Instead, while the robot has MOST_OPEN drives to carry out or to answer, a further drive
+is refused. If several stops are owed between two drives, the newest may replace the others; its
+record then has their common fate.
 
 A drive has a fate. An event (`Event`) changes it as follows:
 
@@ -64,8 +66,8 @@ Derived values and rules:
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
   refused after the robot has broken off a drive of another client, until the robot says more.
 - A stop is owed while its record is not OVER.
-- A stop is also owed after all these events: a giver gave a newer drive and cancelled the older one
-  (`is_cancelled`), the newer drive was lost, and the robot carries out the older one.
+- A stop is also owed if three events happened: a giver gave a newer drive and cancelled the older
+  one (`is_cancelled`); the newer drive was lost; the robot carries out the older one.
 - While a drive that has begun is doubted because another client may have stopped the robot, no
   drive that names an epoch is sent.
 - The *last command* of each giver that numbers its commands is kept with its fate. So a program
@@ -194,7 +196,8 @@ _STATES = {
     ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
     ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
     ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
-# Activities of a robot that ended its drive by itself. In others, another client ended the drive.
+# These activities show that the robot ended its drive by itself. If a drive of ours has ended with
+# another activity, another client ended it.
 _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
 _NEVER_OURS = (ActivityKind.TELEOPERATED, ActivityKind.PARKING)
 # These motions name no goal, so any drive may be the cause; see `_is_to_be_stopped`.
@@ -1107,7 +1110,7 @@ class Drives:
 
     def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
                      given: Optional[DriveRecord] = None) -> None:
-        self._note_last(given)  # first, so that the new epoch is not foreign to its giver
+        self._note_last(given)  # noted first, so that the new epoch is not foreign to this giver
         before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
         by_no_giver = cause is MotionCause.RESTART and before != 0

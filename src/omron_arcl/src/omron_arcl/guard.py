@@ -34,7 +34,7 @@ class Guard:
         self.goals = frozenset(name.casefold() for name in names) or None
 
     def unknown_words(self) -> FrozenSet[str]:
-        """Words of `allowed` that are neither a category nor a command of the table."""
+        """Returns the words of `allowed` that are neither a category nor a command of the table."""
         return frozenset(word for word in self.names if word not in COMMANDS)
 
     def check(self, command: Command) -> None:

@@ -137,7 +137,7 @@ class RobotWords:
 
     def _emergency_stop_said(self, reply: Union[replies.EStop, replies.RobotError]) -> None:
         if reply.pressed:
-            self.emergency = self.emergency and not self._released  # after a release: pressed anew
+            self.emergency = self.emergency and not self._released  # pressed again after a release
             self.powered, self._released = False, False
         elif isinstance(reply, replies.EStop):
             self.powered, self._released = False, True

@@ -508,7 +508,7 @@ class Item(Reply):
 
 @dataclass(frozen=True)
 class EndOf(Reply):
-    """The end of a list, in lower case: `goals` for `End of goals`, `rangedevicelist`, ..."""
+    """The end of a list. `what` names the list in lower case: `goals`, `rangedevicelist`, ..."""
 
     what: str
 

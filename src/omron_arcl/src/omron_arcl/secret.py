@@ -1,7 +1,7 @@
 """Redacts passwords in lines that are stored or passed on.
 
-The robot's configuration contains passwords, even that of our own login:
-`getConfigSectionValues ARCL server setup` prints it.
+The robot's configuration contains passwords, also that of our own login, which
+`getConfigSectionValues ARCL server setup` prints.
 """
 from __future__ import annotations
 

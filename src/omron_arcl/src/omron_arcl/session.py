@@ -56,12 +56,12 @@ from omron_arcl.replies import (
 from omron_arcl.secret import REDACTED, redact_passwords
 
 PROMPT_TIMEOUT = 1.0  # s of silence after which the password is sent without a prompt
-WELCOME_TIMEOUT = 1.0  # s; if the robot is silent so long after the password, a status is requested
-HELP_TIMEOUT = 1.5  # s; after so long a silence in the help list, the list counts as read
-LONGEST_HELP = 10.0  # s; so long after the welcome, the help list counts as read
+WELCOME_TIMEOUT = 1.0  # s of silence after the password until a status is requested
+HELP_TIMEOUT = 1.5  # s of silence in the help list after which the list counts as read
+LONGEST_HELP = 10.0  # s from the welcome until the help list counts as read at the latest
 _PROBE = b'oneLineStatus'
 _MAXIMUM_ENTRIES = 2000
-_MAXIMUM_WORDS = 150  # characters of the robot's words in the reason for a failed login
+_MAXIMUM_WORDS = 150  # largest number of the robot's characters that the reason of a failure quotes
 
 _ASKS = re.compile(rb'passw', re.IGNORECASE)
 _COMPLAINS = re.compile(
@@ -147,14 +147,14 @@ class Session:
 
     @property
     def words(self) -> str:
-        """The robot's words in the login so far, for the reason of a failure."""
+        """The robot's words in the login so far; the reason of a failure quotes them."""
         said = ' / '.join(self._said)
         if self._lines.tail:
             said = f'{said} / {self._shown(self._lines.tail)}'.lstrip(' /')
         return printable(said, _MAXIMUM_WORDS)
 
     def read(self, data: bytes) -> Iterator[Event]:
-        """Yields the events in `data` from the socket, one by one; iterate to the end.
+        """Yields the events in `data` from the socket, one by one; the caller must read all.
 
         A line is read only when the caller has processed the line before it. So a line need not
         wait until the lines behind it are read.
@@ -185,7 +185,7 @@ class Session:
         return [self._close(self._cause_of_eof())]
 
     def on_time(self, now: float) -> List[Event]:
-        """Notes the time `now` (s, any clock). In the login, missing lines time out."""
+        """Notes the time `now` (s, any clock). In the login, stops waiting for overdue lines."""
         if self.state in (SessionState.READY, SessionState.CLOSED):
             return []
         if self._stirred:
@@ -321,7 +321,7 @@ class Session:
         return f', saying "{self.words}"' if self.words else ''
 
     def _remember(self, raw: bytes) -> None:
-        """Keeps the robot's last lines, for the reason why the connection ended."""
+        """Keeps the robot's last lines, which the reason of a failure quotes."""
         self._said = [*self._said, self._shown(raw)][-5:]
 
     def _shown(self, raw: bytes) -> str:

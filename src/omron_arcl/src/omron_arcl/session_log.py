@@ -22,7 +22,7 @@ _ESCAPED[ord('\\')] = '\\\\'
 class SessionLog:
     """Writes the lines of both sides in the format of docs/reference/session_log.md.
 
-    Times are seconds since 1970. The lines that it gets contain no passwords. At the start, an
+    Times are seconds since 1970. The lines that the log gets contain no passwords. At the start, an
     existing file becomes `<path>.old`. A file that has grown to `size` bytes becomes `<path>.old`
     as well, so both files together never take more than twice `size`. But a `<path>.old` that is
     not a session log is never replaced. Raises OSError if the file cannot be opened or is not a

@@ -13,7 +13,7 @@ import numpy as np
 
 from omron_ld90 import robot_model
 
-INCREMENT = math.radians(1.0)  # wider than the laser's own step, so that each beam has a hit
+INCREMENT = math.radians(1.0)  # larger than the laser's own step, so that each beam has a hit
 BEAMS = round(robot_model.LASER_FIELD_OF_VIEW / INCREMENT) + 1
 FIRST_ANGLE = -robot_model.LASER_FIELD_OF_VIEW / 2.0
 NEAREST = 0.02  # m

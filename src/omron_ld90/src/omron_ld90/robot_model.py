@@ -16,6 +16,6 @@ ACCELERATION = 0.5  # m/s2
 BRAKING_TO_GOAL = 0.2  # m/s2
 
 LASER_HEIGHT = 0.203  # above the floor
-LASER_AHEAD = 0.280  # of the turning centre; not published, taken from the URDF
+LASER_AHEAD = 0.280  # ahead of the turning centre; not published, taken from the URDF
 LASER_FIELD_OF_VIEW = math.radians(240.0)
 LASER_RANGE = 15.0

@@ -47,7 +47,7 @@ class DelayedDrive:
     """A route on which a person may stop the robot.
 
     passed -- drives of the route that passed a person's stop: the bridge gave them, or the
-        controller let them through, although this program knew of the stop
+        controller let them through, although it knew of the stop
     crossed -- whether a drive that was on its way reached the robot after a person's stop with
         another client; no program could hold the drive back
     """
@@ -69,7 +69,7 @@ class DelayedDrive:
         self.watchers: List[Callable[[str], None]] = []  # called at each moment of the drive
         self._generation = 0  # number of the bridge's process
         self._last_number = 0  # number of the bridge's last command
-        self._drives: List[Execution] = []  # drives of the route, let through
+        self._drives: List[Execution] = []  # drives of the route that the controller let through
         self.bridge: Optional[RouteFollower] = None
         self._told: Optional[RobotMotion] = None  # latched message of the controller
         self._motion_connection = 0  # counts the breaks and repairs of `motion`; odd: it is broken

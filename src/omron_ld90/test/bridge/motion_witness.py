@@ -50,7 +50,7 @@ class Word:
         return self.drives and self.giver == giver
 
 
-NO_WORD = Word(None, False)  # the word before the first command
+NO_WORD = Word(None, False)  # stands before the first command
 REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
                     Outcome.EMERGENCY_STOPPED)
 # After one of these outcomes of a drive, the robot may still carry the drive out.
@@ -90,7 +90,7 @@ class WitnessedController(ModelledController):
 
     newest_word: Callable[[], Word]
     on_stop_sent: Callable[[], None]
-    drove = False  # whether a drive ruled when the last command was given
+    drove = False  # whether a drive, not a stop, was in force when the last command was given
 
 
 class Witness(DelayedDrive):
@@ -104,17 +104,17 @@ class Witness(DelayedDrive):
     def __init__(self, strategy: str, delays: Delays, interruption: str = '',
                  braking: float = 0.0, dialect: str = '') -> None:
         self.words: List[Word] = []
-        # for each epoch, the last word when the epoch was published
+        # for each epoch, the last `Word` when the epoch was published
         self.words_of_epoch: Dict[int, Word] = {}
         # the published epochs, and those epochs of other givers that the bridge does not know yet
         self._epochs: List[int] = []
         self._foreign: Set[int] = set()
-        # the epoch in the bridge's reports when the bridge was told of an epoch of others
+        # the epoch that the bridge reported when it learned of an epoch of others
         self._overruled_in = 0
-        # for each stop on its way, the last word when the stop was sent
+        # for each stop on its way, the last `Word` when the stop was sent
         self._stops_sent: List[Word] = []
-        self._stopped = NO_WORD  # the same for the newest stop that arrived
-        # words of other clients, before a stop that has not reached the robot yet
+        self._stopped = NO_WORD  # this `Word` of the stop that arrived last
+        # commands of other clients before a stop that has not reached the robot yet
         self._before_stops: List[Word] = []
         self.broken: List[str] = []
         self.lines: List[str] = []  # drives that reached the robot from the controller
@@ -143,17 +143,18 @@ class Witness(DelayedDrive):
         self._anothers = False  # whether the robot drives for another client
         self._unheard_until = -100.0  # until this time, no command reaches the controller
         self._forgotten: Set[int] = set()  # epochs of earlier controllers
-        self._bridge_knows = NO_WORD  # the last word that the bridge knows of
+        self._bridge_knows = NO_WORD  # the last `Word` of which the bridge knows
         # True from a stop of the fleet manager until the bridge has stopped the robot, or drives it
         self._is_ordered = False
-        # the last word that the bridge knew when it gave a stop, by process and number of the stop
+        # the last `Word` that the bridge knew when it gave a stop, by process and number of a stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
-        self._known_to_stop: Optional[Word] = None  # the value for the stop that arrives now
+        # the entry of `_known_to_stops` for the stop that arrives now
+        self._known_to_stop: Optional[Word] = None
         # drives of givers other than the bridge; and for each epoch, how many of these drives the
         # robot had answered when the epoch was published
         self._others_drives: List[Execution] = []
         self._others_of_epoch: Dict[int, int] = {}
-        # for a stop of the bridge, until the bridge drives: the last word that the bridge knew, and
+        # for a stop of the bridge, until the bridge drives: the last `Word` that it knew, and
         # the number of earlier drives of others
         self._demanded: Optional[Tuple[Word, int]] = None
         self._ignored_since: Optional[float] = None  # since this time the robot ignores this stop
@@ -164,7 +165,7 @@ class Witness(DelayedDrive):
         self._heard_arrival_at: Dict[str, float] = {}  # when the controller heard of the arrival
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
-        self._drives_of: Dict[Word, List[Execution]] = {}  # the drives of each word
+        self._drives_of: Dict[Word, List[Execution]] = {}  # the drives of each `Word`
         # our drive that the robot carries out; None: it carries out none of ours
         self._obeyed: Optional[Execution] = None
         self._newest_drive: Optional[Execution] = None
@@ -175,7 +176,7 @@ class Witness(DelayedDrive):
         self._untrue_since: Optional[float] = None
         # since this time the robot drives for the bridge without a route
         self._routeless_since: Optional[float] = None
-        # the last word when another client acted during an outage, until the next status
+        # the last `Word` when another client acted during an outage, until the next status
         self._unheard: Optional[Word] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
@@ -236,7 +237,7 @@ class Witness(DelayedDrive):
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
         last = self._last_word()
-        if not (drives and last and last.is_drive_of(giver)):  # successive drives are one word
+        if not (drives and last and last.is_drive_of(giver)):  # successive drives are one `Word`
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
@@ -272,7 +273,7 @@ class Witness(DelayedDrive):
         super().restart_controller()
 
     def order(self, route_id: int, *edges: int) -> None:
-        """Sends a route as the base class does; a stop of the fleet manager ends each motion."""
+        """Sends a route as the base class does. A stop of the fleet manager may end any motion."""
         if self.bridge:
             self._is_ordered, self._demanded = self._is_ordered or not edges, None
         super().order(route_id, *edges)
@@ -284,7 +285,7 @@ class Witness(DelayedDrive):
         super()._hear_motion(motion, generation)
 
     def _note_told(self, motion: RobotMotion) -> None:
-        """Notes that the bridge learns of an epoch, and with it of all earlier epochs of others."""
+        """Notes that the bridge learns of an epoch, and so of all earlier epochs of others."""
         memory, bridge = motion.memory, self.bridge
         if bridge and memory.cause is not MotionCause.INTERRUPTED:  # the next epoch has the cause
             told = self._epochs[:self._epochs.index(memory.epoch) + 1]
@@ -313,12 +314,12 @@ class Witness(DelayedDrive):
             if give.command == 'stop' and outcome is Outcome.SUCCEEDED:
                 self._is_ordered = False
             elif outcome is Outcome.OVERRULED:
-                self._sent_to.pop(give.number, None)  # it was never sent
+                self._sent_to.pop(give.number, None)  # the command was never sent
             end(outcome, words)
 
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
-            if give.command != 'stop' or not self._anothers:  # it may drive on for others
+            if give.command != 'stop' or not self._anothers:  # the robot may drive on for others
                 self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, ended)
         else:
@@ -330,14 +331,14 @@ class Witness(DelayedDrive):
             self.is_alone = False
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
-                self._obeyed = None  # a lost drive would look the same
+                self._obeyed = None  # a lost drive with the same text would look the same
             self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
             if not self._seems_ours:
-                for word in self._before_stops:  # the stops after these words are lost
+                for word in self._before_stops:  # the stops after these are lost
                     self.words.remove(word)
-                    if self.robot.goal is None or self._anothers:  # if not, it obeyed us later
+                    if self.robot.goal is None or self._anothers:  # otherwise it obeyed us later
                         self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
@@ -382,7 +383,7 @@ class Witness(DelayedDrive):
         return [drive for drive in self._others_drives if drive.result is None]
 
     def cancel_own(self, drive: Execution) -> None:
-        """Cancels a drive on behalf of its giver: a stop, unless a newer drive replaces it."""
+        """Cancels a drive on behalf of its giver. This is a stop unless there is a newer drive."""
         if not self.is_heard:
             return
         self._cancelled.append(drive)
@@ -527,7 +528,7 @@ class Witness(DelayedDrive):
             self._stalls = 0.0
 
     def _heard_broken_off(self, line: str, drive: Optional[Execution]) -> None:
-        """Notes that the robot has broken off the ruling drive, if the line names this drive."""
+        """Notes that the robot has broken off the drive in force, if the line names this drive."""
         record, = self._controller.motion.memory.records[-1:] or (None,)
         if (drive is not None and drive.result is None and record is not None
                 and (record.kind, record.fate) == (RecordKind.DRIVE, Fate.OBEYED)
@@ -592,7 +593,7 @@ class Witness(DelayedDrive):
             line == 'EStop pressed' and self.robot.status.startswith('EStop'))
 
     def _put_before_stops(self, word: Word, stopped: Word) -> bool:
-        """Inserts another client's word before our first stop that the robot obeys later.
+        """Inserts another client's command before our first stop that the robot obeys later.
 
         Returns False if there is no such stop.
         """
@@ -712,7 +713,7 @@ class Witness(DelayedDrive):
     def _came_later(self, known: Word, drives: int) -> bool:
         """Returns whether the bridge gave its stop without knowledge of a drive that was given.
 
-        Successive drives of one giver are one word, but the later one may have begun an epoch.
+        Successive drives of one giver are one `Word`, but the later one may have begun an epoch.
         Therefore the drives of others are also counted.
         """
         return any(word.drives for word in self._words_after(known)) or any(

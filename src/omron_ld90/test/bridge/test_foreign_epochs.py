@@ -1,4 +1,4 @@
-"""`foreign_epoch` alone shows a bridge that missed epochs whether others acted."""
+"""A bridge that missed epochs learns from `foreign_epoch` alone whether others have acted."""
 from __future__ import annotations
 
 import pytest
@@ -183,7 +183,7 @@ def test_a_drive_that_the_controller_refused_for_an_epoch_of_the_master_is_given
     told.act(*MASTER_WAITS)
     waits = told_of(told.records.motion)
     told.act(*MASTER_STOPS)
-    told.robot.tracker.send('4', 'goto 4')  # the bridge has heard nothing of that
+    told.robot.tracker.send('4', 'goto 4')  # the bridge has heard of neither act
     give, = told.robot.due_commands(0.0)
     assert give.known_epoch == known
     stopped = told_of(told.records.motion)

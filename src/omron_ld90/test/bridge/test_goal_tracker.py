@@ -1,4 +1,4 @@
-"""The drive to the last goal ends by its result, or by `motion` if the result is lost."""
+"""The drive to the last goal ends with its result, or by `motion` if the result is lost."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""The place on the graph that belongs to a location, with corridor width and tolerance."""
+"""The place on the graph that belongs to a location, given a corridor width and a tolerance."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

@@ -1,4 +1,4 @@
-"""The last command of the bridge: the rows of its table; no command is carried out twice."""
+"""Each row of the table in `last_word` holds, and no command is carried out twice."""
 from __future__ import annotations
 
 from random import Random

@@ -31,12 +31,12 @@ DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
                    to_robot=st.sampled_from([0.0, 0.2]))
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
-COMMANDS = ['stop', 'goto 3', 'goto 4']  # of another client
-WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # of another client
+COMMANDS = ['stop', 'goto 3', 'goto 4']  # commands of another client
+WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # commands of another client
 PROGRAMS = ['/adapter', '/joystick']
 IN_AN_OUTAGE = [('person_stops',), ('person_cancels',), *((program,) for program in PROGRAMS),
                 *(('another_client', command) for command in COMMANDS)]
-SETTLED = 20.0  # s within which a robot that can be reached has obeyed, in any dialect
+SETTLED = 20.0  # s until a robot that can be reached has obeyed its commands, in any dialect
 
 
 class Robots(RuleBasedStateMachine):
@@ -169,7 +169,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well and self.world._controller.connected)
     @rule(act=st.sampled_from(IN_AN_OUTAGE))
     def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
-        """Lets the bridge stop the robot for another reason before it hears of others' epoch."""
+        """Lets the bridge stop the robot for another reason before it hears of an act of others."""
         self.order(0, 2, True)
         self.world.run(1.5)
         self.world.lose_motions(7.0)
@@ -338,7 +338,7 @@ class SimulatedRobots(Robots):
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(seconds=st.sampled_from([0.3, 1.0]))
     def robot_leaves_its_dock_for_a_cancelled_drive(self, seconds: float) -> None:
-        """Lets the robot undock for a drive that is cancelled for a newer drive, which is lost."""
+        """Lets the robot undock for a drive that is cancelled; the newer drive is lost."""
         self.take(PERSON, 'dock', 0)
         self.world.run(25.0, lambda: self.world.robot.status.startswith('DockingState: Docked'))
         self.person_drives('6')

@@ -120,7 +120,7 @@ def test_an_order_that_crosses_what_its_master_did_itself_is_driven(is_late, mon
             fleet.send(5, first=1)
     fleet.master_acts('fleet')
     for give in gives:
-        fleet.give(give)  # the controller refuses it, because it names the previous epoch
+        fleet.give(give)  # the controller refuses the drive, which names the previous epoch
     if not is_late:
         fleet.send(5, first=1, epoch=epoch)
     fleet.run()
@@ -476,7 +476,7 @@ class WatchedFleet(Fleet):
         return 'dock' if vertex == DOCK_VERTEX else str(vertex)
 
     def way(self, edges: Sequence[int], turns: Sequence[int]) -> Tuple[int, ...]:
-        """Returns these edges and further ones; without edges, a path from the robot's place."""
+        """Returns these edges and one more for each turn; without edges, begins at the robot."""
         graph, found = self.follower.graph, list(edges)
         for turn in turns:
             if found:

@@ -1,4 +1,4 @@
-"""The last known place of the robot, and the state of its links and of their nodes."""
+"""The last known place of the robot, its links, and the nodes that report the links."""
 from __future__ import annotations
 
 import pytest

@@ -171,7 +171,7 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
 
 
 def returned(bench: Bench, is_recent: bool = True) -> Bench:
-    """Restarts the bridge, which has seen nothing yet. Returns the bench."""
+    """Restarts the bridge before it has seen the robot. Returns the bench."""
     record = bench.follower.record
     bench.robot.number = None
     bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)

@@ -24,7 +24,7 @@ NEVER = float('-inf')
 
 
 def vehicle_with(*edges: int, first: int = 0) -> Vehicle:
-    """Returns the vehicle's end of the protocol, which has taken a route."""
+    """Returns the vehicle's side of the route protocol, after it has taken an order."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
     vehicle.take_order(RouteOrder(7, edges, order=1, first=first, master='fleet'), first)
     return vehicle
@@ -274,7 +274,7 @@ class TestAVertexThatWasMissed:
         assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
             'The robot missed vertex 2 and is sent back to it.')
         assert drive.tracker.word.command == 'goto 2'
-        drive.now += 25.0  # the robot may take so much time
+        drive.now += 25.0  # the robot may need this long
         drive.go((2.0, 0.0))
 
     def test_but_once_only(self, drive):

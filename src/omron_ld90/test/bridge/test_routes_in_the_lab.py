@@ -156,7 +156,7 @@ def test_a_robot_that_goes_another_way_around_what_blocks_its_own_ends_the_route
 
 
 def test_the_stop_of_a_failed_route_is_obeyed_as_soon_as_the_robot_stands():
-    """Once, the stop failed after 15 s: when the motors are enabled, `Stopping` comes as well."""
+    """Once, the stop failed after 15 s, because enabled motors also cause a `Stopping` line."""
     drive = under_way()
     drive.inject('estop press')
     drive.run(lambda: not drive.follower.running, 10.0)

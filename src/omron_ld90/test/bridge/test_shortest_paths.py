@@ -31,7 +31,7 @@ def test_the_only_way_is_the_only_short_way():
 
 
 def test_two_ways_of_one_length_leave_it_open():
-    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # the path over 4 is as short
+    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # a path via 4 is as short
 
 
 def test_having_begun_on_one_of_them_decides():
@@ -94,7 +94,7 @@ def grids(draw):
 
 
 def simple_ways(graph: Graph, start: int, end: int) -> dict:
-    """Returns {edges of a simple path: its length}, for all paths. The search is slow, but sure."""
+    """Returns {edges of a simple path: its length}, for all paths. The search is slow but exact."""
     ways, stack = {}, [(start, (), 0.0, {start})]
     while stack:
         at, edges, length, seen = stack.pop()

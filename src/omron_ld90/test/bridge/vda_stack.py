@@ -41,7 +41,7 @@ IDENTITY = Identity('OMRON', 'lab', 'map', '1')
 ADAPTER = Giver(f'/lab/{ME}', 'process 1')
 EPOCH = 1_700_000_000.0  # s; the wall clock at the start
 RUNNING, IDLE = 0.1, 1.0  # s between two reports of the bridge
-ON_THE_WAY = 0.005  # s that each message takes at least
+ON_THE_WAY = 0.005  # s, the least delay of a message
 _STANDING = (MotionState.STANDING, MotionState.DOCKED)
 
 
@@ -63,7 +63,7 @@ class VdaDelays(Delays):
 
 
 class VdaStack(DelayedDrive):
-    """An adapter whose vehicle is driven by the bridge; `master` gets its messages."""
+    """An adapter and the bridge that drives its vehicle; `master` gets the adapter's messages."""
 
     delays: VdaDelays
 
@@ -110,7 +110,7 @@ class VdaStack(DelayedDrive):
         self._vehicle.driver.on_report(report, self.now)
         self._perform(self._vehicle.tick(self.now))
 
-    # --- the adapter's turns, and what it hears of the robot --------------------------------------
+    # --- the adapter's periodic work, and what it learns about the robot --------------------------
 
     def _take_turn(self) -> None:
         assert self.bridge
@@ -147,7 +147,7 @@ class VdaStack(DelayedDrive):
     # --- what the adapter does --------------------------------------------------------------------
 
     def receive(self, topic: str, payload: bytes) -> None:
-        """A message of the master arrives."""
+        """Delivers a message of the master to the adapter."""
         self._perform(self._vehicle.receive([(topic, payload)], self.now))
 
     def _come_online(self) -> None:

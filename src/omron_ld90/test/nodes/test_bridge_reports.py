@@ -28,7 +28,7 @@ def follower() -> RouteFollower:
 
 
 def heard(order: RouteOrder) -> RouteOrder:
-    """Returns the order that the node reads from the message of an order."""
+    """Writes an order into a message. Returns the order that the node reads from it."""
     return order_of(fill_order(msg.TargetRoute(), order), 0)
 
 

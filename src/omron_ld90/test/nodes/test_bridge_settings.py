@@ -31,7 +31,7 @@ def given(monkeypatch) -> Dict[str, Any]:
 
 
 def message(graph: Optional[Graph] = GRAPH) -> str:
-    """Returns the message for people about wrong settings."""
+    """Reads wrong settings. Returns the text of the error."""
     with pytest.raises(ConfigurationError) as wrong:
         read_settings(graph)
     return str(wrong.value)

@@ -99,7 +99,7 @@ class Bench:
         self.given: List[Tuple[str, Giver, Dict[str, Any]]] = []
         self.cancelled: List[Tuple[object, Giver]] = []
         self.cancelled_all: List[Giver] = []
-        self.obeyed: Optional[str] = None  # the drive that each command would only repeat
+        self.obeyed: Optional[str] = None  # present drive; each command repeats it
         self.commands = ExecuteCommandServer(self._execute, self._cancel, self.cancelled_all.append,
                                              lambda *_: self.obeyed, self.old)
         self.server = Server.last
@@ -108,7 +108,7 @@ class Bench:
         if self.refusal:
             raise self.refusal
         self.given.append((text, giver, options))
-        return text  # instead of an execution
+        return text  # stands for the execution
 
     def _cancel(self, execution: object, canceller: Giver) -> None:
         self.cancelled.append((execution, canceller))

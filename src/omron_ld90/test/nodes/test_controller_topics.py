@@ -24,8 +24,8 @@ class Bench:
     def __init__(self, monkeypatch: Any) -> None:
         self.heard: Dict[str, Callable[[Any], None]] = {}
         self.watched: List[str] = []
-        self.old: Optional[str] = None  # reason why messages are too old, except stops
-        self.driven_by: Optional[str] = None  # reason why no click may move the robot
+        self.old: Optional[str] = None  # why messages are too old; stops never are
+        self.driven_by: Optional[str] = None  # why clicks may not move the robot
         self.busy = False
         self.given: List[Tuple[str, str]] = []
         self.forwarded: List[Tuple[PoseStamped, str]] = []

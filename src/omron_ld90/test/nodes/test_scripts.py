@@ -1,4 +1,4 @@
-"""The messages of the first command of a user, if this command cannot continue."""
+"""A user's first commands: what they say if they cannot continue."""
 from __future__ import annotations
 
 import os
@@ -136,7 +136,7 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
     (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
     stamp = tmp_path / 'stamp'
     stamp.touch()
-    os.utime(stamp, (time.time() + 60.0,) * 2)  # later than all folders
+    os.utime(stamp, (time.time() + 60.0,) * 2)  # newer than all folders
     (tmp_path / file).touch()
     os.utime(tmp_path / file, (time.time() + 120.0,) * 2)
     newer = subprocess.run(

@@ -1,4 +1,4 @@
-"""scripts/test.sh adds up results: a second try counts and is named, but hides no failure."""
+"""scripts/test.sh adds up results. If a test ran twice, its second result counts, and is named."""
 from __future__ import annotations
 
 import subprocess

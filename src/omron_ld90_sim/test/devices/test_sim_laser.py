@@ -16,7 +16,7 @@ ANGLES = np.radians(np.linspace(-120.0, 120.0, laser.RAYS))
 
 
 def true_ranges(document: MapDocument, pose: SimPose) -> np.ndarray:
-    """The distances to the nearest line of a map, computed without a grid."""
+    """Returns the distances to the nearest line of a map, computed without a grid."""
     angles = ANGLES + math.radians(pose.theta)
     nearest = np.full(len(angles), np.inf)
     for x1, y1, x2, y2 in np.asarray(document.lines, float):

@@ -39,5 +39,5 @@ class Talk:
 
 
 def to_the_end(sock: socket.socket, size: int = 4096) -> bytes:
-    """Everything that arrives until the connection ends."""
+    """Returns everything that arrives until the connection ends."""
     return b''.join(iter(lambda: sock.recv(size), b''))

@@ -18,7 +18,7 @@ def _robot(map_file) -> Iterator[Simulator]:
 
 
 def answer(port: int, data: bytes, lines: int) -> bytes:
-    """The answer: `lines` lines, or fewer if the connection ends."""
+    """Sends data. Returns the answer: `lines` lines, or fewer if the connection ends."""
     received = b''
     with socket.create_connection(('127.0.0.1', port), timeout=20.0) as connection:
         connection.sendall(data)

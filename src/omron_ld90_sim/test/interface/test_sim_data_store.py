@@ -8,7 +8,7 @@ from sim_builders import Rig
 
 
 def values(lines: List[str]) -> Dict[str, float]:
-    """The numbers of `...: <field> <value>` lines."""
+    """Returns the numbers in the lines `...: <field> <value>`, by field."""
     rows = (line.split(' ') for line in lines if ': ' in line)
     return {row[1]: float(row[2]) for row in rows}
 

@@ -11,7 +11,7 @@ from omron_map import MapDocument
 
 
 def speaking(*switches: str, start: str = ROOM, coding: str = 'utf-8') -> Rig:
-    """A robot in a room, with switches set before a client connects."""
+    """Returns a robot in a room. Its dialect is switched before a client connects."""
     rig = Rig(MapDocument.from_bytes(start.encode(coding), name='room.map'))
     for switch in switches:
         Faults(rig.server).inject(f'dialect {switch}')
@@ -19,7 +19,7 @@ def speaking(*switches: str, start: str = ROOM, coding: str = 'utf-8') -> Rig:
 
 
 def login(rig: Rig) -> bytes:
-    """Everything that a client receives up to its first command."""
+    """Returns everything that a client receives before its first command."""
     session = rig.server.connect()
     session.receive(b'adept\n')
     return bytes(session.output)

@@ -17,7 +17,7 @@ class Faulty(Rig):
         self.me = self.client()
 
     def on_the_way(self, command: str = 'goto "East side"', seconds: float = 4.0) -> Client:
-        """The client after the robot has driven for a while."""
+        """Lets the robot drive for a while. Returns the client."""
         self.me.send(command)
         self.clock.advance(self.clock.now + seconds)
         self.me.lines()

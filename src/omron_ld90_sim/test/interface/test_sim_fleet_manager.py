@@ -29,7 +29,7 @@ class Program:
         self._socket.sendall(line.encode() + b'\n')
 
     def until(self, words: str) -> List[str]:
-        """The lines up to the first one that contains these words."""
+        """Returns the lines up to the first one that contains these words."""
         found: List[str] = []
         end = time.monotonic() + 60.0
         while time.monotonic() < end:

@@ -38,7 +38,7 @@ def test_inputs_that_take_long_do_not_keep_statuses_waiting(
 
     def plan(ours: socket.socket) -> None:
         ours.recv(1)
-        wall.now += 0.08    # s, as a robot that plans its way
+        wall.now += 0.08    # s; a robot needs this time to plan a path
         happened.append('planned')
         if happened.count('planned') == len(pairs):
             loop.stop()

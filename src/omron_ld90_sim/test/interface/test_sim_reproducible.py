@@ -18,7 +18,7 @@ BEGIN = 10.0  # s on the robot's clock; on any computer the connection exists by
 
 
 def recorded_drive(folder: Path, seed: int) -> List[Transfer]:
-    """The part of the program's log about a drive that begins and ends at known times."""
+    """Returns the part of the program's log about a drive. The drive begins at a known time."""
     folder.mkdir()
     room, log = folder / 'room.map', folder / 'session.log'
     room.write_text(ROOM)

@@ -49,7 +49,7 @@ def test_a_fleet_runs_in_one_process(map_file: Path) -> None:
 
 def test_the_clock_can_be_made_faster_and_slower(map_file: Path) -> None:
     def passes(robot: Simulator, seconds: float) -> float:
-        """The real seconds that pass until the robot's clock has advanced by `seconds`."""
+        """Returns the real seconds until the robot's clock has advanced by `seconds`."""
         begin, until = time.monotonic(), robot.loop.clock.now + seconds
         while robot.loop.clock.now < until:
             time.sleep(0.001)

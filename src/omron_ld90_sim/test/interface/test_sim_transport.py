@@ -94,7 +94,7 @@ def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
         deaf.connect(('127.0.0.1', robot.port))
         deaf.sendall(b'adept\n')
         other.send('goto 12')
-        with pytest.raises(OSError):  # dropped: the answer to further data is a reset
+        with pytest.raises(OSError):  # the server has dropped this client: its data cause a reset
             for _ in range(100_000):
                 deaf.sendall(b'help\n' * 10)
         deaf.close()
@@ -156,7 +156,7 @@ def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
 
 
 def connected(port: int) -> Talk:
-    """A client, connected as soon as the port is open."""
+    """Waits until the port is open. Returns a client that is connected to it."""
     end = time.monotonic() + 20.0
     while True:
         try:

@@ -23,7 +23,7 @@ PAIRS = 2 * settings.default.max_examples
 
 
 def random_pairs(floor: SimFloor, planner: Planner, near: Tuple[float, float], count: int):
-    """Random poses with room to turn, in the part of the floor connected with `near`."""
+    """Yields pairs of random poses with room to turn, in the part of the floor around `near`."""
     connected = label(floor.planning_clearance >= planner.drive_clearance, connectivity=1)
     part = connected == connected[floor.planning_cell(*near)]
     cells = np.argwhere(part & (floor.planning_clearance >= planner.turn_clearance))

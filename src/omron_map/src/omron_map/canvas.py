@@ -17,10 +17,10 @@ PAPER: Colour = (255, 255, 255)
 LONG_SIDE = 1600  # px, default
 SUPERSAMPLING = 2  # the picture is drawn larger by this factor and scaled down: smooth edges
 MARGIN = 500  # mm around the contents
-TEXT_HEIGHT = 26  # px in a picture of LONG_SIDE
+TEXT_HEIGHT = 26  # px, if the longer side of the picture is LONG_SIDE
 LEAST_TEXT_HEIGHT = 12
 EDGE = 4  # px between text and the edges of the picture
-ARROW_NECK, ARROW_WING = 0.55, 0.2  # shares of the length: start of the head, half its width
+ARROW_NECK, ARROW_WING = 0.55, 0.2  # start and half width of the head / arrow length
 #: Fonts with more than Latin letters, if they are installed; otherwise Pillow's own small font.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
@@ -47,7 +47,7 @@ class Canvas:
                                     LEAST_TEXT_HEIGHT))
         self._scalable = isinstance(self._font, ImageFont.FreeTypeFont)
         _, top, bottom = _extent(self._font, 'H')
-        self._middle = (top + bottom) / 2.0  # px below the top of a line of text
+        self._middle = (top + bottom) / 2.0  # px from the top of a text to its middle
 
     def pixels_of(self, length: float) -> float:
         """Returns the length, in pixels of the finished picture, of a length in mm."""

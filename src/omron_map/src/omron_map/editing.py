@@ -214,7 +214,7 @@ def _order(record: Record) -> Tuple:
 
 
 def _after_info(records: List[Record]) -> int:
-    """Returns the index behind the header and the active info lines."""
+    """Returns the index after the header and the active info lines."""
     places = [index + 1 for index, record in enumerate(records)
               if is_header(record.keyword)
               or (record.keyword.endswith('info:') and not record.keyword.startswith('_'))]

@@ -1,4 +1,4 @@
-"""Rectangles and bounds of points. A map stores a rectangle as rotated about the map's origin."""
+"""Rectangles and bounds of points. In a map file, a rectangle is rotated about the map's origin."""
 from __future__ import annotations
 
 import math

@@ -59,7 +59,7 @@ SCAN_KEYS: Dict[str, Callable[[Sequence[Token], str], Any]] = {
 
 _SUFFIXES = tuple(f'{key}:'.lower() for key in SCAN_KEYS)
 _OTHER_KEYS = tuple(category.lower() for category in CATEGORIES) + (
-    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # the last key is in a published map
+    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # the last key occurs in a public map
 
 
 def is_header(keyword: str) -> bool:

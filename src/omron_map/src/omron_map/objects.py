@@ -23,7 +23,7 @@ LINE_KINDS = frozenset(
 CONFIGURATION_KINDS = frozenset(('FeedbackHandler', 'RobotArrivalHandler'))
 HEADING_SUFFIX = 'WithHeading'
 DEFAULT_ICON = 'ICON'
-MAX_LINE_BYTES = 10_000  # exclusive; size of a buffer in the vendor's library
+MAX_LINE_BYTES = 10_000  # a line must be shorter: this is the size of the vendor's buffer
 MAX_LINE_WORDS = 512
 
 _FIELDS = ('kind', 'x', 'y', 'theta', 'description', 'icon', 'name')

@@ -69,7 +69,7 @@ def check_category(data: bytes, name: str) -> None:
     A file that was given by mistake or by malice may contain a secret, so the error does not quote
     the file.
     """
-    head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # no copy of all the rows
+    head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # without a copy of the rows
     line = head.lstrip().split(b'\n', 1)[0]
     text = decode(line).strip(BLANKS)
     if not text:

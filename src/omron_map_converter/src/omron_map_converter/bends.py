@@ -16,11 +16,14 @@ import numpy as np
 from trajectory_graph import Graph
 
 BEND = math.radians(45.0)
-PITCH = 0.02  # between the examined places on an edge
+PITCH = 0.02  # distance between the examined places on an edge
 
 
 def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
-    """Returns the bends (x, y): vertices, and points PITCH apart on edges; `stretch` is in m."""
+    """Returns the bends (x, y): vertices, and points on edges, at intervals of PITCH.
+
+    `stretch` is in m.
+    """
     ways = _Ways(graph)
     places = [vertex.position for vertex in graph.vertices.values() if ways.is_corner(vertex.id)]
     for edge in graph.edges:

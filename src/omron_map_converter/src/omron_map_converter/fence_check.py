@@ -25,8 +25,8 @@ ALLOWANCE = 50.0
 INTRUSION = 5.0  # a fence may reach into a corridor by this length
 POINT_PITCH = 60.0  # obstacle points nearer to each other than this count as one
 ARC = 16  # segments of a quarter circle; circles drawn with them are smaller than true ones
-SHORTEST_GATE = 1.0  # a shorter gate results from rounding
-TOUCHING = 0.1  # pieces of a gate nearer than twice this are joined
+SHORTEST_GATE = 1.0  # a shorter gap between fences is only an effect of rounding
+TOUCHING = 0.1  # pieces of a gap are joined if the distance between them is below twice this
 
 
 @dataclass(frozen=True)

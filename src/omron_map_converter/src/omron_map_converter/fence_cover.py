@@ -45,8 +45,8 @@ LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
 """Arc lengths along a curved outline; a fence may be parallel to the chord of such an arc."""
 STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
-WORTH = 1.5  # a fence across a whole block must cover so many times the points of another
-INSET = 1.0  # width at either side of a fence in which edges do not limit its growth
+WORTH = 1.5  # a fence across a whole block must cover this many times the points of a shallow one
+INSET = 1.0  # edges this near to either end of a fence do not limit its growth in depth
 MANY = 2000  # if there are more outline points than this, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
@@ -114,7 +114,8 @@ class _Cover:
                 yield ring, position
 
     def _around(self, point: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Returns indices of outline points, and edges (M,2,2), in reach of a fence at `point`."""
+        """Returns what a fence at `point` can reach: indices of outline points, and edges (M,2,2).
+        """
         if self._trees is None:
             return np.arange(len(self._region.points)), self._region.edges
         points, edges = (tree.query_ball_point(point, NEARBY) for tree in self._trees)
@@ -165,7 +166,8 @@ class _Offers:
                 yield Fence(self._frame, *span, near, near + depth).trimmed(self._points)
 
     def worth(self, fence: Fence) -> float:
-        """Returns the number of points that it covers, less STAND_OFF per mm away from the floor.
+        """Returns the number of points that the fence covers, reduced by STAND_OFF for each mm
+        between fence and floor.
         """
         return fence.covers(self._points).sum() - STAND_OFF * fence.near
 

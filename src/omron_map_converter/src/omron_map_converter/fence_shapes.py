@@ -116,8 +116,9 @@ def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[floa
 
 
 def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) -> float:
-    """Returns the smallest v, where u is in left..right, of the `edges` (M,2,2)
-    that extend beyond v = `beyond`.
+    """Returns the smallest v of `edges` (M,2,2) in the strip u = left..right.
+
+    Only edges count that extend beyond v = `beyond` in this strip.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (u.min(axis=1) <= right) & (u.max(axis=1) >= left)
@@ -127,8 +128,11 @@ def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) ->
 
 def _clipped(across: np.ndarray, along: np.ndarray, low: float,
              high: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns for each segment the lowest and the highest `along` (M,2)
-    of the part where `across` is in low..high.
+    """Cuts segments to the strip low..high of one coordinate. Returns the lowest and the highest
+    value of the other coordinate of each cut segment.
+
+    across -- the coordinate of the segments' ends (M,2) that the strip limits
+    along  -- their other coordinate (M,2)
     """
     run = across[:, 1] - across[:, 0]
     flat = run == 0.0

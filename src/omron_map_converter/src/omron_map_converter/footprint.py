@@ -7,4 +7,4 @@ from __future__ import annotations
 
 LENGTH, WIDTH = 0.699, 0.500
 HALF_WIDTH = WIDTH / 2
-HALF_DIAGONAL = 0.430  # about the turning centre, rounded up
+HALF_DIAGONAL = 0.430  # distance from the turning centre to a corner, rounded up

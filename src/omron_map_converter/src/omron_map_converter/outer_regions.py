@@ -19,7 +19,7 @@ from omron_map_converter.corridors import MITRE
 OUTLINE_DISTANCE = 15.0  # mm from the floor to the offset outline
 STEP = 40.0  # mm between the points that represent the offset outline
 CLEARANCE = 2.0  # mm between fence and floor; more than the error of rounding to mm
-OUTSIDE = 30000.0  # margin around the floor that is examined
+OUTSIDE = 30000.0  # mm; width of the examined margin around the floor
 LONGEST_EDGE = 1000.0
 SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 

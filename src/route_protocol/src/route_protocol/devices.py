@@ -5,9 +5,9 @@ A requester holds a device open with one request, and releases it with another. 
 above the last number of this requester, it is a repetition. So a requester repeats its newest
 request, even one that releases the device, until a report shows the number of this request.
 
-A report that says OPEN shows only requests that were taken before the device was read. So a
-requester that finds its newest number in such a report knows that the device was read open after
-the request. Reports have the number of a run and a count. So an old report is never taken for a new
+A report that says OPEN shows only requests that were taken before the device was read. So if a
+requester finds its newest number in such a report, the device was open when it was read after the
+request. Reports have the number of a run and a count. So an old report is never taken for a new
 one, even if it arrives very late.
 """
 from __future__ import annotations

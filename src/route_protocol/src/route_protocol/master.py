@@ -223,7 +223,7 @@ class News:
     took     -- the report shows a taken order that no report has shown before
     failed   -- why the route is lost; no reason: it is not lost, or its loss was known
     refused  -- why open orders were refused; no reason: none was refused
-    was_shorter -- the newest refused order stopped the vehicle or shortened its route
+    was_shorter -- the newest refused order was a stop, or would have shortened the route
     stands   -- the vehicle stands, and the report has its place
     is_older -- the journal is an older copy: the report shows an order that is not in it
     is_repeat -- the report changes nothing except its own number

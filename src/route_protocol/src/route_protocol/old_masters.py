@@ -52,7 +52,7 @@ class OldMasters:
     def passed(self, order: RouteOrder) -> None:
         """Notes that an order of any master was taken. From now on, older orders count as late.
 
-        The stamp of `last` never becomes older.
+        The stamp of `last` never goes back.
         """
         last = self.last or RouteOrder(0, ())
         stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp

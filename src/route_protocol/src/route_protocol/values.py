@@ -107,8 +107,8 @@ class ReasonCode(IntEnum):
 class Reason:
     """The reason why a route failed, a stop is not obeyed, or an order was refused.
 
-    Programs decide by the code. The text is a clause for people. A reason with the code NONE is
-    false.
+    Programs decide by the code. The text is a clause for people. As a condition, a reason with the
+    code NONE is false.
     """
 
     code: ReasonCode = ReasonCode.NONE
@@ -184,7 +184,7 @@ class RouteReport:
     location -- the reported position in the map frame; None: unknown
     epoch    -- number of the vehicle's epoch, to be compared only for equality; 0: unknown
     cause    -- why that epoch began
-    master   -- the master whose orders `order` and `refused` count; empty: no numbering master
+    master   -- the master whose orders `order` and `refused` count; empty: no such master
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
     refusal  -- why that order was refused

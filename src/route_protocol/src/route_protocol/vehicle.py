@@ -32,7 +32,7 @@ Events and what follows
     | route fails                | RUNNING                          | FAILED; `order` stays        |
     | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
     | the master itself moves    | COMPLETE                         | STOPPED: the next route does |
-    | the vehicle, past a route  |                                  | not go on with this one      |
+    | the vehicle with no route  |                                  | not go on with this one      |
 
 An order cannot be counted if it does not name its master, or if its number is the largest that a
 message can carry.
@@ -333,7 +333,8 @@ def _behind(report: int) -> int:
 
 
 def _wrong(order: RouteOrder) -> Reason:
-    """Returns why a route with a number is refused in any case; no reason: it is not."""
+    """Returns why every vehicle refuses a route with a number; no reason: it need not be refused.
+    """
     if not order.known_epoch:
         return Reason(ReasonCode.OVERRULED, 'it has a number, but does not name the epoch in which '
                                             'it was decided (known_epoch)')

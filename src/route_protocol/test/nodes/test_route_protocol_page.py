@@ -22,7 +22,7 @@ PAGE = (Path(__file__).resolve().parents[4] / 'docs/reference/route_protocol.md'
 
 
 def told(field: str) -> Dict[str, int]:
-    """The constants in the row of a field."""
+    """Returns the constants in the page's row about a field."""
     row = re.search(rf'^\| (?:`\w+`, )*`{field}`.*? \|(.*)\|$', PAGE.partition(
         '## Values of the constants')[2], re.MULTILINE)
     return {name: int(value) for name, value in re.findall(r'([A-Z_]+) (\d+)', row.group(1))}

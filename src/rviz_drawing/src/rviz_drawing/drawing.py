@@ -34,7 +34,10 @@ def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRG
 
 
 def own_colour(number: int, saturation: float = 0.65) -> ColorRGBA:
-    """Returns the colour of the robot with this number. Robots with near numbers differ clearly."""
+    """Returns the colour of the robot with this number.
+
+    The colours of robots with successive numbers differ clearly.
+    """
     return colour(*colorsys.hsv_to_rgb((0.55 + number * _GOLDEN) % 1.0, saturation, 1.0))
 
 

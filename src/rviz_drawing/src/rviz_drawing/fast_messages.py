@@ -1,10 +1,10 @@
-"""Messages with long arrays, which numpy writes.
+"""Messages with long arrays; numpy writes the arrays.
 
 Plain messages are too slow, and a node that shows a large map would block for seconds. To serialize
 the 44,440 points of a real map takes 120 ms as Point objects, but 2 ms as an array. A grid of 2
 million cells takes 50 ms as a list, but 0.2 ms as an array. A list of numbers also needs eight
-times the memory. The bytes on the wire are the same as those of a plain message. The list of the
-message is empty; the array is written in its place.
+times the memory. The bytes on the wire are the same as those of a plain message. The message keeps
+its list empty, and `serialize` writes the array in place of the list.
 """
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from nav_msgs.srv import GetMapResponse, LoadMapResponse
 from visualization_msgs.msg import Marker, MarkerArray
 
 _LENGTH = struct.Struct('<I')
-#: Bytes after the points of a marker without colours, text and mesh: three lengths and a bool.
+#: Number of bytes that follow the points of a marker. A marker without colours, text and mesh has
+#: three lengths and a bool there.
 _AFTER_POINTS = 3 * _LENGTH.size + 1
 
 
@@ -77,8 +78,9 @@ class LoadGridResponse(LoadMapResponse):
 
 
 def _write(buff: io.BytesIO, plain: memoryview, after: int, elements: np.ndarray) -> None:
-    """Writes `plain`, but `elements` in place of its empty array, which is before the last `after`
-    bytes.
+    """Writes the message `plain` with `elements` in place of its empty array.
+
+    The last `after` bytes of `plain` follow the empty array.
     """
     end = len(plain) - after
     buff.write(plain[:end - _LENGTH.size])

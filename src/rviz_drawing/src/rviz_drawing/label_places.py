@@ -27,7 +27,7 @@ NAME_WEIGHT = 10.0  # weight of names: a text on a text is harder to read than a
 
 @dataclass(frozen=True)
 class Label:
-    """The label of a robot: the robot's position and radius (m), the text, its height (m)."""
+    """The label of a robot: the robot's position and radius (m), the text and its height (m)."""
 
     x: float
     y: float
@@ -67,7 +67,7 @@ class LabelPlaces:
                beneath: Optional[Places] = None) -> None:
         """Chooses the sides for the present positions.
 
-        labels  -- by name of the robot; earlier labels are placed first
+        labels  -- each robot's label, by the robot's name; earlier labels are placed first
         window  -- the area that people see; None: it is not known
         names   -- boxes of names and of rings, which a label may cover if it must
         buttons -- boxes of buttons, which no label should cover

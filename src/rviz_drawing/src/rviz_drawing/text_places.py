@@ -16,7 +16,7 @@ Key = Tuple[str, int]  # the kind of the text, and the id of its vertex
 REACH = 1.5   # m; largest distance between the edge of a text and its vertex
 STEP = 0.15   # m between two possible places in the outward direction
 MARGIN = 0.2  # m between a vertex and the nearest text that is not at its usual place
-LINE_HEIGHT = 1.1  # of the text height
+LINE_HEIGHT = 1.1  # as a multiple of the text height
 # Widths of letters in Liberation Sans, the font of RViz, in 1/1000 of the font's size: for each
 # width, its letters. All other letters are OTHER_WIDTH wide. A space is drawn as wide as an A.
 _WIDTHS = {191: "'", 222: 'ijl', 278: '!,./:;I[]\\ftr', 333: '()-`', 355: '"', 389: '*',
@@ -24,7 +24,8 @@ _WIDTHS = {191: "'", 222: 'ijl', 278: '!,./:;I[]\\ftr', 333: '()-`', 355: '"', 3
            667: ' &ABEKPSVXY', 722: 'CDHNRUw', 778: 'GOQ', 833: 'Mm', 889: '%', 944: 'W'}
 _WIDTH_OF = {letter: width / 1000.0 for width, letters in _WIDTHS.items() for letter in letters}
 OTHER_WIDTH = 0.72
-TEXT_SCALE = 0.82  # measured: width of a letter in RViz, for a width of 1 and a text height of 1
+# measured in RViz: width of a letter that is 1 wide in the font, for a text height of 1
+TEXT_SCALE = 0.82
 # Right and left are tried last, because edges are often there.
 _SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
 

@@ -12,7 +12,7 @@ from typing import List, NamedTuple, Optional, Tuple, cast
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # the speed has a kink if the curve's parameter is this near to a stop
+_SHARP = 0.02  # a stop that is this near to a real parameter causes a kink in the speed
 _GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1

@@ -26,7 +26,10 @@ CELL = 1.6  # m, cell size of the grid in which near boxes are searched
 
 
 class MayCover(Enum):
-    """What a text may cover if none of its places is free."""
+    """What a text may cover if none of its places is free.
+
+    A soft box may be covered if necessary; all other boxes are firm.
+    """
 
     NOTHING = 'nothing'
     SOFT = 'soft boxes'

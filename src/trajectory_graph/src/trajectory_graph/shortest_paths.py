@@ -57,7 +57,7 @@ def distances(graph: Graph, start: int, limit: float,
               without: AbstractSet[int] = frozenset()) -> Dict[int, float]:
     """Returns the distance of each vertex that is within `limit` of the start.
 
-    Edges can be driven in both directions, except those whose ids are in `without`.
+    Each edge can be driven in both directions. Edges whose ids are in `without` cannot be driven.
     """
     near = takewhile(lambda reached: reached.distance <= limit, nearest_first(
         start, _roads_of(graph, lambda edge: abs(edge) not in without)))

@@ -78,7 +78,10 @@ class GraphFile:
 
 
 def _for_marks(text: str) -> str:
-    """Returns the text with a blank for each line break that only YAML has; positions stay."""
+    """Returns the text with blanks in place of the line breaks that only YAML knows.
+
+    All other characters keep their positions.
+    """
     for character in _LINE_BREAKS_OF_YAML_ONLY:
         text = text.replace(character, ' ')
     return text

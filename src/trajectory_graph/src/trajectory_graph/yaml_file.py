@@ -9,7 +9,8 @@
 Reading is strict (see `strict_yaml`): the file must have each field once, with a valid value.
 Unknown fields are ignored, because the editor may write further fields. A vertex may also have
 `Dock` and `Parking` (true or false). Without `Dock`, the label `dock` makes the vertex a dock.
-`FrameId`, `Label` and `ThetaHolomonic` may be missing, and in a line also `ParamF` and `ParamB`.
+`FrameId`, `Label` and `ThetaHolomonic` may be missing. An edge that is a line need not have
+`ParamF` and `ParamB`.
 docs/reference/graph_file.md describes the format for users.
 """
 from __future__ import annotations

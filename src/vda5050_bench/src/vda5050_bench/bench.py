@@ -54,7 +54,8 @@ class Bench:
     def __init__(self, trial: Trial, version: str) -> None:
         self.trial = trial
         self._rules = rules_of(version)
-        self._silent_since: Optional[int] = None  # number of states before the silence
+        # number of states that came before the silence; None: no silence
+        self._silent_since: Optional[int] = None
 
     def run(self) -> Iterator[Verdict]:
         """Tries every rule, then drives the vehicle to the start of the track if possible."""

@@ -180,7 +180,7 @@ def _sequence_problems(state: State) -> Iterator[str]:
 
 
 def order_problems(before: State, after: State) -> Iterator[str]:
-    """Yields the errors in a change of the order; figure 8 of 2.0 is ambiguous here."""
+    """Yields the errors in a change of the orderId; figure 8 of 2.0 is ambiguous about it."""
     if before['orderId'] != after['orderId'] and before['nodeStates']:
         yield 'orderId changes while nodeStates remain (figure 8)'
 

@@ -44,7 +44,7 @@ class Track:
         """Returns an order over the whole track, without header.
 
         base    -- number of released nodes; None: all nodes
-        actions -- the actions by nodeId, or by edgeId where no node of the track has this id
+        actions -- the actions by nodeId or edgeId; an id that nodes and edges share means the node
         """
         released = len(self.stops) if base is None else base
         actions = actions or {}

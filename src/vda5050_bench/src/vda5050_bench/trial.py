@@ -151,7 +151,10 @@ class Trial:
         self.ahead = self.track if index == 0 else self.track.reversed()
 
     def _way_from(self, index: int, is_there: bool) -> Track:
-        """Returns the track towards its nearer end; on an edge: in the present direction."""
+        """Returns the track in the direction in which the vehicle is to drive to an end.
+
+        A vehicle at a stop drives to the nearer end. A vehicle on an edge keeps its direction.
+        """
         last, back = len(self.track.stops) - 1, self.track.reversed()
         if index in (0, last):
             return self.track if index == 0 else back
@@ -176,8 +179,9 @@ class Trial:
             self._drive(self.ahead, len(self.track.stops) - 1, True, self.patience)
 
     def _index_of(self, state: Message) -> int:
-        """Returns the index of the stop that was passed last; if it is unknown, of the nearest
-        stop.
+        """Returns the index of the last stop that the vehicle passed.
+
+        If the state names no stop of the track, returns the index of the nearest stop.
         """
         ids = [stop.node_id for stop in self.track.stops]
         if state['lastNodeId'] in ids:
@@ -234,9 +238,9 @@ class Trial:
         return self.needed(lambda: self.taken(order, seconds))
 
     def taken(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
-        """Does the same as `accepted`, if the acceptance is the subject of the rule.
+        """Does the same as `accepted`, for a rule about the acceptance itself.
 
-        Raises TooLate.
+        Raises TooLate instead of NotTried.
         """
         before = self.master.send('order', order)
         return self.master.wait(lambda s: has(s, order), seconds, 'the order in the state',
@@ -250,7 +254,10 @@ class Trial:
             f'standing at {last}, without remaining nodes')
 
     def refused(self, order: Mapping[str, Any], what: str) -> Dict[str, Any]:
-        """Sends an order that the vehicle must refuse without a change; returns the error."""
+        """Sends an order that the vehicle must refuse; returns the error.
+
+        The refusal must not change the orderId or the orderUpdateId.
+        """
         return self.refused_bytes(lambda: self.master.send('order', order), what, order)
 
     def refused_bytes(self, send: Callable[[], int], what: str,

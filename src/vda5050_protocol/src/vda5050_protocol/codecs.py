@@ -36,7 +36,7 @@ class _Angle(Number):
     most: float = math.pi
 
     def read(self, value: Any, path: str) -> float:
-        """See Kind; a pi that the sender rounded up, to at least three decimals, is read as pi."""
+        """See Kind; reads pi if the sender rounded pi up, to three decimals or more."""
         if (isinstance(value, (int, float)) and not isinstance(value, bool)
                 and math.pi < abs(value) <= math.pi + 5e-4):
             return math.copysign(math.pi, value)

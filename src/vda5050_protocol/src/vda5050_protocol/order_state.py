@@ -33,7 +33,7 @@ class OrderState:
     def extended(self, order: OrderMessage) -> OrderState:
         """Returns the state in which the nodes and edges of an update replace the horizon.
 
-        The node at which base and update join stays as the first order defined it.
+        The update begins with the last node of the base; this node stays as the base defines it.
         """
         end = self.base_end
         return replace(self, order_update_id=order.order_update_id,
@@ -48,7 +48,9 @@ class OrderState:
                        passed=self.passed + count)
 
     def with_stood(self) -> OrderState:
-        """Returns the state after one more node at the same place, where the driver begins again.
+        """Returns the state after one more node was passed at the place of the last node.
+
+        The driver begins anew at this node, so `passed` is 0.
         """
         return replace(self.with_passed(1), passed=0)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Tuple
 
-REMEMBERED = 200  # messages, of all topics
+REMEMBERED = 200  # number of messages, over all topics
 
 
 @dataclass(frozen=True)

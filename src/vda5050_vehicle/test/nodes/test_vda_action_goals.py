@@ -14,7 +14,7 @@ from vda5050_vehicle.nodes.action_goals import PATIENCE, ActionGoals  # noqa: E4
 
 
 class Connections:
-    """One end of a topic."""
+    """Replaces a publisher or a subscriber of actionlib; `count` is its number of connections."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -38,7 +38,7 @@ class Handle:
         self._on_transition(self)
 
     def comes_to(self, state: int) -> None:
-        """The state that actionlib knows from the server's statuses."""
+        """Sets the state that actionlib derives from the server's statuses."""
         self._state = state
 
     def get_comm_state(self) -> int:
@@ -89,7 +89,7 @@ class Bench:
         self.goals = ActionGoals(lambda *end: self.ends.append(end), lambda: self.now)
 
     def statuses(self, count: int) -> None:
-        """The server publishes the given number of statuses, and each is received."""
+        """Lets the client receive this number of statuses, with a check of the goals after each."""
         for _ in range(count):
             self.client.last_status_msg = object()
             self.goals.check()

@@ -225,7 +225,7 @@ def test_a_cancelled_order_stays_cancelled():
 
 
 def whole(lab):
-    """The state of a vehicle, as one record of the journal."""
+    """Returns the state of a vehicle, as one record of the journal."""
     return json.loads(journal.line(None, lab.vehicle.state))
 
 

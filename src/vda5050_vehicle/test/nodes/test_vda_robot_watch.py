@@ -18,7 +18,7 @@ from vda5050_vehicle.nodes.robot_watch import RobotWatch, read_signals
 
 @pytest.fixture
 def topics(monkeypatch):
-    """The callbacks of each topic; they and a clock replace ROS."""
+    """Replaces the subscribers of ROS and the clock; returns the callbacks of each topic."""
     callbacks = {}
 
     def subscribe(topic, _type, callback, **_):

@@ -89,7 +89,7 @@ def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place]
             ) -> Tuple[Place, StopKind, Tuple[WorkStep, ...], Condition]:
     """Returns the place, kind, steps and condition that a mapping with `known` keys describes.
 
-    place -- reads the word of the place; raises ValueError with a clause
+    place -- returns the place that a word names; raises ValueError with a clause
 
     Raises WrongYaml.
     """

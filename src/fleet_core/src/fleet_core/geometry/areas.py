@@ -24,7 +24,7 @@ class Area:
 
 def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) -> bool:
     """Returns whether two lines through points come nearer to each other than `distance` (m)."""
-    if len(one) == len(other) == 1:  # as for robots that stand between vertices
+    if len(one) == len(other) == 1:  # for example two robots that stand between vertices
         return math.dist(one[0], other[0]) <= distance
     (first, last), others = _segments(one), np.stack(_segments(other), axis=2)
     for segment in range(others.shape[1]):

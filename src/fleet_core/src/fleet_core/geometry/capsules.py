@@ -36,7 +36,8 @@ def _within_disc(offset: np.ndarray, path: np.ndarray,
                  radius: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Returns the two times between which a moving point is within `radius` of the origin.
 
-    At time t the point is at offset + t * path. If the two times are equal, it is never so near.
+    At time t the point is at `offset` + t * `path`. If the two times are equal, the point never
+    comes nearer than `radius`.
     """
     square = path[0] * path[0] + path[1] * path[1]
     half = offset[0] * path[0] + offset[1] * path[1]
@@ -55,7 +56,7 @@ def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
                       width: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Returns the two times between which a moving point is in a rectangle.
 
-    At time t the point is at offset + t * path.
+    At time t the point is at `offset` + t * `path`.
     The rectangle reaches from 0 along the whole `axis`, and by `width` to either side of the axis.
     """
     length = np.hypot(axis[0], axis[1])
@@ -79,11 +80,11 @@ def _within(at: np.ndarray, step: np.ndarray, least: np.ndarray,
             most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Returns the two times between which a moving coordinate is between `least` and `most`.
 
-    At time t the coordinate is at + t * step. (inf, -inf): it is never strictly between them.
+    At time t the coordinate is `at` + t * `step`. (inf, -inf): it is never strictly between them.
     """
     still = step == 0.0
     safe = np.where(still, 1.0, step)
-    with np.errstate(over='ignore'):  # a step near 0 overflows to infinity, which is right
+    with np.errstate(over='ignore'):  # division by a step near 0 gives infinity, which is right
         one, other = (least - at) / safe, (most - at) / safe
     low, high = np.minimum(one, other), np.maximum(one, other)
     if still.any():

@@ -31,7 +31,7 @@ class OutOfTime(Exception):
 class Approach(NamedTuple):
     """The places that only one robot may use while it docks or leaves a dock."""
 
-    edges: Dict[int, Tuple[float, float]]  # for each place, its part in the approach: fractions
+    edges: Dict[int, Tuple[float, float]]  # by place: the part in the approach, in fractions
     vertices: FrozenSet[int]               # not the dock: a docked robot blocks no approach
 
 
@@ -76,7 +76,7 @@ class Conflict(NamedTuple):
 class Exclusions:
     """Conflicts between places, for each distance that two robots must keep.
 
-    pieces     -- the curves
+    pieces     -- the curves of all places
     ends       -- (E,2) vertex places at the origin and the destination of each edge
     vertices   -- number of vertices
     approaches -- approaches of the docks
@@ -196,7 +196,7 @@ class Exclusions:
 
         Geometry gives the same result except for rounding, but the searches need it exactly.
         """
-        ends = self._ends.ravel()  # at 2 * edge + 0 its origin, + 1 its destination
+        ends = self._ends.ravel()  # [2 * edge]: its origin; [2 * edge + 1]: its destination
         by_vertex = np.argsort(ends, kind='stable')
         counts = np.bincount(ends, minlength=self.vertices)
         firsts = np.concatenate(([0], np.cumsum(counts)))
@@ -324,7 +324,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns the distance (m) of each pair: points[:, one[k]] and others[:, other[k]]."""
+    """Returns for each k the distance (m) from points[:, one[k]] to others[:, other[k]]."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there

@@ -14,7 +14,7 @@ from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_p
 
 # m: the largest permitted distance of a curve from its pieces; `margin` has the actual distance
 TOLERANCE = 5e-3
-_FINE = 64  # a spline is cut into so many fine parts, of which the pieces are made; a power of two
+_FINE = 64  # number of fine parts of a spline, from which pieces are made; a power of two
 _COARSE = 16  # number of fine parts in one piece if the curve is nearly straight
 # number of splines computed in one step, so that their arrays stay in the processor's cache
 _AT_ONCE = 256

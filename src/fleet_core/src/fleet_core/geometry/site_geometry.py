@@ -19,7 +19,8 @@ from trajectory_graph.shortest_paths import Road, nearest_first
 
 
 class Alone(NamedTuple):
-    """Ids of edges and vertices. Only one robot at a time may be on them, however far apart.
+    """Ids of edges and vertices. Only one robot at a time may be on any of them, even if they are
+    far apart.
 
     The edges at these vertices belong to the group, too.
     """

@@ -120,7 +120,7 @@ class Conformance:
         self._before: Dict[str, ModelState] = {}
         self._seen: Dict[str, Tuple[Allocation, MasterState, int]] = {}
         self._granted: Dict[str, Set[int]] = {}
-        self._grown: Set[str] = set()  # robots to which a grant gave more than edges
+        self._grown: Set[str] = set()  # robots whose allocation a grant extended by areas, too
         self._journal: Dict[str, FrozenSet[int]] = {}
         self._stored: Dict[str, Allocation] = {}
         self._claims: Dict[str, FrozenSet[str]] = {}

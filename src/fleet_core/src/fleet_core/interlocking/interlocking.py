@@ -36,7 +36,7 @@ from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Resource, Rest
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
-_REMEMBERED = 1000  # number of areas for which the near places are kept
+_REMEMBERED = 1000  # number of areas whose near places are cached
 
 
 class Gate(Enum):
@@ -214,14 +214,14 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
-        """Returns the first of these edges, up to the edge for which the robot lacks more than
-        claims.
+        """Returns the first of these edges, as far as nothing but missing claims hinders the robot.
         """
         return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns for each robot as many of its first edges as all robots together may have now.
+        """Returns for each robot the first of its edges: as many as could be granted now, if the
+        robots before it were granted theirs.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.

@@ -103,7 +103,8 @@ class Needs:
     def of_edge(self, edge: int, rest: Rest = WHOLE) -> FrozenSet[str]:
         """Returns the names of the resources that a signed edge and the vertices at its ends need.
 
-        rest -- the part of the edge that counts, with its start if the robot covers it
+        rest -- the part of the edge that counts; the vertex at its start counts, too, if the robot
+                still covers it
         """
         known = self._of_edge.get(edge)
         if known is None:

@@ -59,7 +59,7 @@ MANUAL_REACH = 10.0
 BESIDE = NEAR + TREMBLE
 # These values count while another giver moves a robot.
 _STEP = 0.5   # m: the area around the robot grows in steps of this size
-_SOON = 0.2   # s: the area allows for this much more time; ticks come more often
+_SOON = 0.2   # s by which the area grows ahead of time; it is more than the time between ticks
 _SQUARE = 1.0  # m: a location is stored when the robot enters another square of this size
 
 Clock = Callable[[], int]
@@ -168,7 +168,7 @@ class RouteMaster:
         # Number of the last order that may have been sent, and the time when this program sent it;
         # -inf: this program has not sent it
         self._sent: Tuple[int, float] = (0, -math.inf)
-        self._label = 0  # of the route that is being extended
+        self._label = 0  # route id of the route that `extend` extends; 0: none
         self.locations: Tuple[Located, ...] = ()
         self.reach = 0.0
         """Radius (m) around the last location within which another giver may have moved the robot.
@@ -356,7 +356,7 @@ class RouteMaster:
         return next_number(self.protocol, self._clock())
 
     def extend(self, edges: Sequence[int], renew: bool = False) -> None:
-        """Lets the robot drive more edges; `renew`: with a new label, for another mission."""
+        """Lets the robot drive more edges; `renew`: under a new route id, for another mission."""
         number = self._next_number()
         if renew or not self.record.ahead or not self._label:
             self._label = label_of(number)
@@ -533,7 +533,7 @@ class RouteMaster:
                                     default=0)
         if news.cause is not None or news.failed or news.took and not said.edges:
             self.record.begin_anew()
-            self._cut_refused = 0  # a lower number may follow, for another edge
+            self._cut_refused = 0  # a shorter route may now end at a lower number again
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
         """Returns whether the robot counts as at its place, although it is not exactly there.
@@ -643,7 +643,7 @@ class RouteMaster:
         """Sets the state from before a restart."""
         number = memory.protocol.number
         self.record.cleared, self.record.protocol = memory.cleared, memory.protocol
-        # This run has read no journal that contains the numbers between these two.
+        # This run does not know the orders between these two numbers: the journal lacks them.
         self.record.set_protocol(replace(memory.protocol, gap=(number, self._next_number())))
         self._sent = number, -math.inf
         self.record.position = memory.position

@@ -15,7 +15,7 @@ from fleet_core.interlocking.reports import CLOCK_ERROR, GraphPosition, Pose
 from route_protocol.master import MasterState, Step, left
 from trajectory_graph import Graph
 
-# the largest cleared fraction of an edge: a robot that has not passed its end is still on it
+# the largest cleared fraction of an edge: the robot is on the edge until it has passed the end
 _NOT_OVER = 1.0 - 1e-9
 # number of driven edges that are kept; far more than a robot drives while the planner works
 _REMEMBERED = 100

@@ -103,7 +103,7 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex over the leg's destination to the last
+        """For each leg, the seconds from each vertex via the leg's destination to the last
         destination.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.

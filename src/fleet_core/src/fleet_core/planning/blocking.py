@@ -51,7 +51,7 @@ class _Blocks(NamedTuple):
     rows: List[slice]     # of each place
     slots: array[int]
     leads: array[float]   # s
-    clears: Tuple[array[float], array[float]]  # of an edge that is driven forward, and backward
+    clears: Tuple[array[float], array[float]]  # for a blocking edge: driven forward, and backward
 
 
 class Blocking:
@@ -116,8 +116,8 @@ class Blocking:
         return zip(slots[row], leads[row])
 
     def rest(self, drive: int, begun: float) -> List[int]:
-        """Returns the places that an observer may not hold while the part of a drive after the
-        fraction `begun` is driven.
+        """Returns the places that an observer may not hold while a robot drives the rest of a
+        drive, after the fraction `begun`.
         """
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
@@ -161,7 +161,7 @@ class Blocking:
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # A pair with an edge makes two blocks, one for each direction; one with a vertex, one.
+        # A blocked edge gets two blocks, one for each direction. A blocked vertex gets one block.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

@@ -31,7 +31,7 @@ _Forced = Tuple[Tuple[int, int], ...]
 class _Node(NamedTuple):
     configuration: Configuration
     parent: Optional[_Node]
-    moves: Dict[int, int]  # robot: drive that led here from the parent
+    moves: Dict[int, int]  # by robot: the drive from the parent to here
     waiting: List[float]   # priority of each robot
     order: List[int]
     tree: Deque[_Forced]

@@ -155,7 +155,7 @@ class LaterBookings:
         return () if wait is None else ((wait[0] - lead, wait[1]),)
 
     def _joined(self, parts: Iterable[_Part]) -> List[Booking]:
-        """Returns one booking for each time in which one robot blocks without a break."""
+        """Joins bookings. Returns one for each period in which one robot blocks without a break."""
         row: List[Booking] = []
         for robot, step, begin, end in parts:
             name = self._names[robot]

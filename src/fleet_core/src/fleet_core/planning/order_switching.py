@@ -19,7 +19,7 @@ from fleet_core.planning.edge_groups import EdgeGroup
 from fleet_core.planning.precedence import Constraint
 
 GAIN = 5.0     # s that all robots together must gain from a change
-LATE = 5.0     # s: a drive that waits for a robot is late if it begins later than planned by this
+LATE = 5.0     # s of delay after which a drive that waits for another robot counts as late
 TRIALS = 40    # maximum number of orders that are tried
 _IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1

@@ -110,7 +110,7 @@ class WellFormedSets:
         vertices = np.flatnonzero(free)
         order = vertices[np.lexsort((sizes[left[vertices]], self._wanted[vertices]))]
         core = np.full(self._vertices, -1, dtype=np.int64)
-        core[self._part[order]] = left[order]  # the last one counts
+        core[self._part[order]] = left[order]  # numpy keeps the last value of each part
         inside = free & (left == core[self._part])
         return inside if inside[free & self._wanted].all() else None
 

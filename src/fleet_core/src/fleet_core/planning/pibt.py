@@ -210,7 +210,7 @@ class Pibt:
                 return
 
     def _leaves(self, robot: int, avoid: AbstractSet[int]) -> bool:
-        """Returns whether a robot in the way leaves in this step, or makes another robot leave."""
+        """Makes a robot in the way leave. Returns whether it leaves, or makes another one leave."""
         if robot in self._decided:
             return robot in self._moves
         return self._leave(robot, avoid)

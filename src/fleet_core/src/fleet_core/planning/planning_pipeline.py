@@ -34,8 +34,8 @@ _ORDERS = 10      # maximum number of orders in which all robots are planned bef
 _ROOM_ORDERS = 4  # maximum number of orders if only a robot and the robots in its way are planned
 _QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
 _TO_EXPLAIN = 0.05  # s after the time limit, for the search for the robots in the way
-# The time that is kept for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
-# first outcome
+# The time reserved for making the last outcome: _TO_FINISH s, plus _SLOWER times the time that the
+# first outcome took
 _TO_FINISH = 0.002
 _SLOWER = 1.5
 # maximum number of steps of LaCAM if there is no deadline

@@ -110,8 +110,8 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns pairs for each planned drive of an observer and each moving robot: the last
-    conflicting drive of the moving robot before the planned drive.
+    """Returns pairs: each planned drive of an observer and, for each moving robot, its last earlier
+    drive that conflicts with the planned drive.
 
     Only robots of the given types count.
     """

@@ -105,7 +105,9 @@ def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], lates
 
 
 def steps_until(deadline: float) -> Iterator[None]:
-    """Yields once for each step of a search, until a look at the clock after the deadline."""
+    """Yields once for each step of a search. Ends when a look at the clock shows that the deadline
+    has passed.
+    """
     in_time = iter(lambda: time_now() <= deadline, False)
     return chain(repeat(None, _CHECKED),
                  chain.from_iterable(repeat(None, _CHECKED) for _ in in_time))
@@ -113,7 +115,7 @@ def steps_until(deadline: float) -> Iterator[None]:
 
 def _next(heap: List[_Entry], newest: Optional[_Entry],
           best: Mapping[int, float]) -> Optional[_Entry]:
-    """Takes the entry with the lowest cost. Drops entries for whose key there is an earlier state.
+    """Takes the entry with the lowest cost. Drops an entry if an earlier state has the same key.
 
     newest -- an entry that is not in the heap yet; often this entry is taken
     """

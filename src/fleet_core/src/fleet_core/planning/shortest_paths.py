@@ -21,7 +21,7 @@ class _Round(NamedTuple):
     """N vertices that were removed together, none of them next to another."""
 
     vertices: np.ndarray    # (N,)
-    neighbours: np.ndarray  # (2, N) not removed before; the vertex itself: a neighbour is missing
+    neighbours: np.ndarray  # (2, N) not removed before; the vertex itself stands for none
     seconds: np.ndarray     # (2, N) of the roads from the vertex to these neighbours
 
 

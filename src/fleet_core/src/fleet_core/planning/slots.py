@@ -97,7 +97,7 @@ class Slots:
     def busy(self, slot: int) -> Busy:
         """Returns the times at which a slot is blocked.
 
-        At the begin and at the end of such a time, the slot is free.
+        At the beginning and at the end of such a period, the slot is free.
         """
         busy = self.merged[slot]
         if busy is None:

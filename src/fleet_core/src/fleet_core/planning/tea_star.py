@@ -113,7 +113,7 @@ class TeaStar:
                 break
             order.remove(failed)
             order.insert(0, failed)
-            if failed.name in put_first:  # it has lost its path since: all are planned anew
+            if failed.name in put_first:  # put first already, but lost its path again
                 put_first.clear()
             elif self._put_first(order, paths, deadline):
                 put_first.add(failed.name)

@@ -1,7 +1,7 @@
 """The graph in force, and when a file may replace it: never if this changes a running route.
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
-changed before; the copy is the graph on which they drive.
+changed in the meantime. The copy is the graph on which the robots drive.
 
 States: no graph, or one graph in force. Events: a file is loaded, a robot reports its route.
 Invariants: a graph is put in force only if it is valid, on the disk, and breaks no running route;
@@ -42,8 +42,8 @@ class GraphInForce:
     def must_hear_robots(self, file: str) -> bool:
         """Returns whether `load` should wait until the robots have reported.
 
-        It should if no graph is in force yet and the file has changed since it was in force. Then
-        robots may still drive on the old graph.
+        It should if no graph is in force yet, and the file has changed since its graph was last in
+        force. Then robots may still drive on the old graph.
         """
         before = self._kept(file) if self.graph is None else None
         if before is None:

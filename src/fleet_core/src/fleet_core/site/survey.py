@@ -14,7 +14,7 @@ from fleet_core.planning.road_network import RoadNetwork
 LONG = 3.0
 """The length of a long edge, in following distances. The next robot waits until the whole edge is
 free. So less than half as many robots pass as on edges of one following distance."""
-_SAMPLES = 100  # paths are counted from so many vertices, to bound the time on large graphs
+_SAMPLES = 100  # number of vertices from which paths are counted: it limits the time
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
     """Returns the vertices of the largest strongly connected set in each part of the graph."""
     homes: Dict[FrozenSet[int], Set[int]] = {}
     for home in sorted(nx.strongly_connected_components(roads), key=len):
-        homes[network.graph.part_of(min(home))] = home  # the last and largest one stays
+        homes[network.graph.part_of(min(home))] = home  # the largest one comes last, and stays
     return set().union(*homes.values())
 
 

@@ -64,7 +64,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
-        # what a mission waits for if no robot that may serve it is free; by these robots
+        # By the robots that may serve a mission: what it waits for if none of them is free.
         busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
             names = acceptance.robots_for(mission.request)
@@ -150,7 +150,7 @@ def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[st
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
-    """Returns whether the same robots may serve all missions. If so, the oldest come first."""
+    """Returns whether the same robots may serve all missions. Then only the oldest are matched."""
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 

@@ -105,7 +105,8 @@ class DeviceDesk:
 
 
 def _own(report: DeviceReport) -> DeviceUse:
-    """Returns the use of the device that the fleet manager requested and the device obeys."""
+    """Returns the fleet manager's request that the device obeys; without one, a request to close.
+    """
     return report.use_of(ME) or DeviceUse(ME, DeviceMode.CLOSED, 0, 0.0)
 
 

@@ -44,7 +44,7 @@ class EarlyStop:
     def hand_over(self) -> Optional[FleetStop]:
         """Ends the repetition, because a supervisor takes over.
 
-        Returns the stop for which it must stop the fleet; None: there was none.
+        Returns the stop that the supervisor must now carry out; None: there was none.
         """
         stop, self._stop = self._stop, None
         return stop

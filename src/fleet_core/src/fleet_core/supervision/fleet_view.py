@@ -80,7 +80,7 @@ class RobotView:
     battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
-    to_go       -- the time until it is there, and until its mission ends
+    to_go       -- the time until it is at its destination, and until its mission ends
     load        -- what it carries
 
     Each attribute is a field of the published state.

@@ -71,7 +71,7 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
 
     Raises NoJournal if there is no such file, and JournalError if it is no journal.
 
-    since -- s since 1970: missions that ended before and have not changed since are omitted
+    since -- s since 1970; omits missions that ended before and did not change later
     """
     wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
     if not os.path.isfile(path):

@@ -75,7 +75,8 @@ class RobotMemory(NamedTuple):
     tops_up: bool = False
 
 
-_ADDED_TO_WORK = ('group', 'device', 'load_type')  # fields of stops and steps in later versions
+# fields that later versions added to stops and steps
+_ADDED_TO_WORK = ('group', 'device', 'load_type')
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 

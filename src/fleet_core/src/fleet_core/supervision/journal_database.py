@@ -90,7 +90,7 @@ class JournalUnavailable(JournalError):
 
 
 class _Identity(NamedTuple):
-    """The identity of a file, and its first 100 bytes; in these SQLite counts changes."""
+    """The identity of a file, and its first 100 bytes, in which SQLite counts changes."""
 
     device: int
     inode: int

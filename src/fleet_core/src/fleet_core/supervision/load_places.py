@@ -138,7 +138,8 @@ def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_S
 
 def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
             has: Dict[int, Set[str]]) -> Iterator[_Stand]:
-    """Yields the places where others may stand while a robot is at `place`; no queue places."""
+    """Yields the places, except queue places, where others may stand while a robot is at `place`.
+    """
     kinds = fleet.all_types
     for station in work.stations.values():
         if place not in station.places or station.capacity > 1:
@@ -154,7 +155,7 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
     """Returns the places of a station that are to be compared with `place`.
 
-    Omits a lower vertex if robots have loads there: the call for that vertex yields the same pair.
+    Omits vertices with lower ids if robots have loads there: the calls for them yield these pairs.
     """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]

@@ -35,8 +35,8 @@ _WORDS = {MachineState.SILENT: 'offline', MachineState.FREE: 'free',
 class MachineView:
     """The published state of one machine.
 
-    places -- where it stands according to the work file, or, if the file does not say this, where
-              it works now; empty: unknown
+    places -- the places where it stands according to the work file; if the file names none, the
+              place where it works now; empty: unknown
     key    -- key of the step that it carries out; 0: none
     robot  -- the robot for which it works; empty: none, or no known mission has the step
     serial -- serial of the mission for which it works; 0: none, or no known mission has the step

@@ -163,7 +163,7 @@ class MissionBook:
                         ended.append(follower)
 
     def _is_over(self, mission: Mission, ended: Mission) -> None:
-        """Notes that `ended` has ended; `mission` waits for it."""
+        """Updates `mission`, which waits for `ended`, after the end of `ended`."""
         after = mission.request.after
         if not all(_is_met(one, ended) for one in after if one.serial == ended.serial):
             self._set(mission, MissionState.FAILED,

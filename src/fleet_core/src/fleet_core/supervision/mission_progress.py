@@ -62,7 +62,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     """Updates the mission of a robot that cannot work.
 
     - If the robot comes back by itself, the mission waits for it.
-    - If the robot may carry the load of the mission, the mission stays with it.
+    - If the robot possibly carries the load of the mission, it keeps the mission.
     - If the robot needs a person, a mission that was not begun goes to another robot. A mission
       that only this robot may serve waits.
     - If the robot needs a person and the mission was begun, the mission has failed, because the

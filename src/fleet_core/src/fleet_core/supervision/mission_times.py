@@ -11,7 +11,7 @@ from typing import Callable, Iterator
 from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
 
-NEAR = 10.0    # s before its deadline: a mission that is not expected to end by then is at risk
+NEAR = 10.0    # s: a mission is at risk if it will not end at least this long before its deadline
 AGAIN = 30.0   # s: a mission at risk is in time again if it will end this long before its deadline
 PERIOD = 1.0   # s between two estimates
 
@@ -53,7 +53,7 @@ class MissionTimes:
     def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:
         """Lets missions begin or expire. Yields a sentence for each mission that becomes late.
 
-        needed -- returns the s that a mission still needs, as far as is known
+        needed -- returns how many s a mission still needs, as far as is known
         now    -- the supervisor's time
         """
         moment = self._clock() / 1000.0

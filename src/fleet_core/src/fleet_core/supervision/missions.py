@@ -14,7 +14,7 @@ from fleet_core.work.stops import WorkStop, WrongStops, check_stops, dwells_of
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
-LONGEST_DWELL = 1e6  # s; more is a mistake
+LONGEST_DWELL = 1e6  # s; a longer dwell is a mistake
 
 
 class MissionState(IntEnum):
@@ -85,7 +85,7 @@ class Request:
     requested_by -- person or program, for the records; empty: the sender gave none
     stops      -- the destinations with their steps; empty: the mission has no steps
     on_cancel  -- stops that the robot may make after a cancellation
-    after      -- missions that must end before it begins, without those that have ended
+    after      -- missions that have not ended, and must end before it begins
     template   -- name of the template from which its stops were made; empty: none
     arguments  -- the arguments of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
@@ -201,7 +201,7 @@ class Mission:
     """An accepted request and its progress.
 
     serial      -- number of the mission among all accepted ones; it is never used twice, unlike ids
-    reached     -- number of visited destinations; a dwell there has ended
+    reached     -- number of visited destinations; one with a dwell counts after the dwell
     stays_since -- the supervisor's time when its stay at a destination began; None: it does not
                    stay now
     reason      -- why it ended, or what it waits for
@@ -210,7 +210,7 @@ class Mission:
     changed_by  -- the person or program that requested the changes that are not stored yet; empty:
                    no such changes, or no name
     is_held     -- its robot must stand because of its steps, as the `WorkDesk` decides
-    is_bound    -- its robot may carry its load, so no other robot may serve it
+    is_bound    -- its robot possibly carries its load, so no other robot may serve it
     has_worked  -- one of its steps was ordered, so the mission has begun
     asks        -- key of the step that waits for an answer; 0: no step waits
 
@@ -309,8 +309,10 @@ class Acceptance:
     """The data with which requests are checked.
 
     robots -- type of each robot by its name
-    places -- by robot, a vertex that edges connect with the robot's place; no entry: place unknown
-    able   -- robots that may serve a request, by the robot, type and docks that it demands
+    places -- for each robot, a vertex that edges connect with its place; no entry: its place is
+              unknown
+    able   -- robots that may serve a request; the key is the robot, type and docks that the request
+              demands
     """
 
     graph: Graph

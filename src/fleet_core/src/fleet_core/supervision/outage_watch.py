@@ -1,4 +1,4 @@
-"""The effects when an outage begins or ends: a change of the robot's mission, and a log text."""
+"""Handles the beginning and end of outages: changes the missions of the robots, and logs texts."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional

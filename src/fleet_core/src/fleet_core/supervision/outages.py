@@ -152,7 +152,7 @@ def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
 
     had_route -- the robot had a route, or an order for a route was on its way
     """
-    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: only a later version knows the cause
+    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: a cause of a later version
         return Sign.FAILURE if had_route else None
     return _OF_EPOCH.get(cause)
 

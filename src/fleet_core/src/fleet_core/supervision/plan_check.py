@@ -1,4 +1,4 @@
-"""The check whether an answer of the planner is a plan for the question.
+"""Checks whether an answer of the planner is a plan for the question.
 
 An answer is a message that any program can send. It is used only if
 

@@ -27,13 +27,13 @@ HOLD = 2.0               # maximum number of s for which grants are limited whil
 HELD_UP = 5.0            # s: if a due edge is refused longer than this, the plan counts as useless
 USELESS = 3              # number of consecutive useless plans after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
-_TIMED = 5               # so many last answers are remembered; the slowest one predicts the next
+_TIMED = 5               # number of last answers to remember; the slowest one predicts the next
 _PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
 
 class _Delay(NamedTuple):
-    """The time since which a robot is refused a due edge, and the reason."""
+    """Since when the interlocking refuses a due edge to a robot, and why."""
 
     since: float
     refusal: Refusal
@@ -43,7 +43,7 @@ class RoomForLoads(NamedTuple):
     """What must be free before robots that stand at their stops can take their loads.
 
     robots   -- robots that must leave
-    vertices -- vertices at which no robot is parked
+    vertices -- vertices at which no robot may park
     """
 
     robots: FrozenSet[str] = frozenset()
@@ -57,7 +57,7 @@ class PlanExecutor:
     plan. It asks the planner for a new plan if the present one is not useful any more.
 
     Grants go on while the planner works, and may make the planner's answer useless. Then, until
-    the next answer, only the edges that the question counts as released are granted.
+    the next answer, only edges are granted that the planner already counts as released.
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
@@ -240,7 +240,7 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Returns the robots that must make room for robots with an errand, or leave a station."""
+        """Returns the robots that must leave a station, or make room for robots with an errand."""
         leave = {name for name, errand in world.errands.items()
                  if errand.limit.leaves or name in self._room.robots}
         return leave | plan.asked_to_move(

@@ -11,7 +11,10 @@ from fleet_core.supervision.robot_plan import RobotPlan
 
 
 class _Turn(NamedTuple):
-    """What a drive waits for: `first` must have driven `fraction` of its drive number `before`."""
+    """What a drive waits for.
+
+    Robot `first` must have driven the fraction `fraction` of its drive number `before`.
+    """
 
     first: str
     before: int
@@ -24,7 +27,7 @@ class PlanInForce:
     Only the order counts, not the times. A robot's drive is due when each robot that comes before
     it in the order has driven far enough.
 
-    bases   -- by robot, the number of the plan's first drive in the robot's record
+    bases   -- by robot, the number that the plan's first drive has in the robot's record
     made_at -- the supervisor's time that is 0 in the plan's times
     assumptions -- the conditions under which the plan is useful
     """
@@ -73,10 +76,12 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Returns the robots that must move because another robot waits for them: a robot of
-        `working`, or a robot that must move itself.
+        """Returns the robots that must move because others wait for them.
 
-        records -- the route records of all robots; for a released drive, no robot is asked to move
+        A robot must move if a robot of `working`, or another robot that must move, waits for one of
+        its drives that is not released yet.
+
+        records -- the route records of all robots
         """
         moving = set(working)
         asked: Set[str] = set()

@@ -20,15 +20,15 @@ from fleet_core.supervision.robot_plan import RobotPlan
 from fleet_core.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
-_MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as between its ends
+_MID_EDGE = 1e-6  # least fraction of an edge between a robot on it and either end
 
 
 @dataclass(frozen=True)
 class Question:
     """A question to the planner, and the assumptions of the answer.
 
-    ends -- by robot, the record number after the last edge that the question treats as released;
-            grants of edges before this number do not make the answer useless
+    ends -- for each robot, the number in its record of the first edge that the planner may still
+            change; grants of earlier edges do not make the answer useless
     """
 
     tasks: Tuple[Task, ...]
@@ -103,8 +103,8 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
 def _plan_of(robot: ManagedRobot, plan: Optional[PlanInForce]) -> Optional[RobotPlan]:
     """Returns the plan of a robot that the planner is to keep; None: it has none.
 
-    If the robot had another type then, because of another load, the plan is not kept: it may lead
-    past other robots too near.
+    If the plan was made for another type of the robot, because of another load, it is not kept: its
+    path may pass other robots too closely.
     """
     assumed = None if plan is None else plan.assumptions.robots.get(robot.name)
     if plan is None or assumed is None or assumed.kind != robot.type:
@@ -114,8 +114,8 @@ def _plan_of(robot: ManagedRobot, plan: Optional[PlanInForce]) -> Optional[Robot
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float,
           further: Tuple[int, ...]) -> Tuple[Task, Optional[int]]:
-    """Returns the planner's task for a robot, and the number of its mission's destinations in that
-    task.
+    """Returns the planner's task for a robot, and how many destinations of its mission the task
+    has.
 
     further -- edges after the granted ones that also count as released
     """

@@ -5,7 +5,7 @@ from typing import Mapping, Optional
 
 from fleet_core.supervision.fleet_view import RobotState
 
-LIMIT = 30.0  # s: so long after the first news of the fleet, all robots should be ready
+LIMIT = 30.0  # s after the first news of the fleet within which all robots should be ready
 _READY = (RobotState.IDLE, RobotState.BUSY, RobotState.CHARGING)
 _NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has declared this
 

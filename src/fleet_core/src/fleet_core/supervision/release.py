@@ -27,7 +27,7 @@ class Due(NamedTuple):
 class GrantGoal(NamedTuple):
     """How far a robot is to be granted edges.
 
-    until -- number of the edge in the record before which it must stop in any case
+    until -- the robot must stop before the edge with this number in its record
     ahead -- m of granted edges that it needs ahead of itself
     """
 
@@ -44,7 +44,8 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
               goal: GrantGoal) -> Due:
     """Returns the edges that one robot is to be granted.
 
-    At most, these are the edges up to the first one that ends farther ahead than the goal demands.
+    The last of these edges is, at the latest, the first one that ends farther ahead than the goal
+    demands.
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []
@@ -77,7 +78,8 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
     They are due according to the present plan already. So the other robots have left all places
     that they have to leave first. And the present plan is a plan that begins with these edges.
 
-    goals -- of robots that follow the plan; `ahead` includes the m that they drive until the answer
+    goals -- of robots that follow the plan; `ahead` includes the distance (m) that they drive until
+             the answer comes
     """
     due = {name: due_edges(name, plan, records, goal).edges for name, goal in goals.items()
            if _ends_certainly(records[name])}

@@ -23,7 +23,7 @@ class ResourceView:
     """The published state of one resource.
 
     device   -- the state of its device; None: it has no device
-    is_group -- its places are equal, so a mission may name the resource in place of one place
+    is_group -- its places are equal, so a mission may name the resource instead of a place
     queue    -- the queue places of a station, in order
     """
 

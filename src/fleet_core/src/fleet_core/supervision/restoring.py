@@ -95,7 +95,7 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 
 
 def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
-    """Returns the part of the stored state that is valid on a graph, and areas for the rest.
+    """Returns the part of the stored state that a graph allows, and areas that replace the rest.
 
     A robot may follow an order over an edge that the graph does not have. It must be stopped.
 

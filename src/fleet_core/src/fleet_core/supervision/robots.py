@@ -287,7 +287,7 @@ class ManagedRobot:
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
         beside = self.master.beside(position)
-        if beside > BESIDE:  # its next reports would show that it is not at this position
+        if beside > BESIDE:  # its next reports would contradict this position
             return (f'{self.name} is {beside:.2f} m beside the graph '
                     f'({position.told(self.record.graph)}): bring it onto an edge')
         self.master.settle(position)

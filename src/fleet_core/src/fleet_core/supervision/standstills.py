@@ -9,7 +9,7 @@ from fleet_core.supervision.robots import ManagedRobot
 
 COUNTS = 3.0  # s; if a robot stands for less, it only turns or is starting to drive
 KEPT = 100    # number of standstills that are remembered
-ENOUGH = 5    # so many remembered standstills must be longer than the present one for a prediction
+ENOUGH = 5    # number of longer remembered standstills that a prediction needs
 
 
 class Standstills:

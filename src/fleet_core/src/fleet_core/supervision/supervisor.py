@@ -232,7 +232,7 @@ class Supervisor:
 
     @property
     def own_hindrances(self) -> Dict[str, Hindrance]:
-        """By robot, what hinders it from serving any mission now."""
+        """What hinders each robot from serving any mission now, by the robot's name."""
         return self._waiting.own_hindrances
 
     def room(self) -> StationRoom:
@@ -309,7 +309,7 @@ class Supervisor:
             try:
                 if request is not None:
                     self._accept(request, self.book.find(request.id), self._acceptance_now())
-            except JournalUnavailable:  # it is tried again
+            except JournalUnavailable:  # a later tick requests the run again
                 return
             except RequestRefused as refusal:
                 self._out.note(f'The run of timetable {name} that was due at '
@@ -346,8 +346,9 @@ class Supervisor:
         self._out.put(PublishStatus(mission_commands.refused(request, reason)))
 
     def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
-        """Returns the stored status of a mission (stamp 0: the last with this id); None: none is
-        stored.
+        """Returns the stored status of a mission; None: none is stored.
+
+        stamp -- 0: the last mission with this id
 
         A stored status is never withdrawn. Raises JournalUnavailable.
         """
@@ -551,7 +552,7 @@ class Supervisor:
         """Draws a new run number when the places of all robots are known again."""
         if self._run.is_wrong and not self.trouble and not any(
                 robot.master.protocol.unknown for robot in self._everywhere.values()):
-            with suppress(JournalUnavailable):  # it is tried again
+            with suppress(JournalUnavailable):  # a later tick tries again
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
     def _separate(self) -> None:
@@ -856,7 +857,7 @@ class Supervisor:
             return
         for name, robot in self.robots.items():
             if not robot.comes_to_rest or not (robot.works or robot.master.order):
-                continue  # an order that the robot has not received must not reach it unchanged
+                continue  # a robot that does not work is skipped only if no order is on its way
             if not robot.master.shorten():
                 robot.comes_to_rest = False
             self._out.robot_changed(name)

@@ -1,7 +1,7 @@
 """The time that a robot still needs. Everything that shows this time to people uses this estimate.
 
 The times of a plan are made to compare paths. They omit the delay that robots of a type have on all
-edges. This estimate takes the drives and waits of the plan, but the times that robots really
+edges. This estimate uses the drives and waits of the plan, with the times that robots really
 needed.
 """
 from __future__ import annotations
@@ -24,7 +24,8 @@ class TimeToGo(NamedTuple):
     """Seconds of the robot's clock, NaN: unknown.
 
     destination -- until it is at its next destination
-    end         -- until it is at the last destination of its mission, including its stays before
+    end         -- until it is at the last destination of its mission, including the stays at
+                   earlier destinations
     """
 
     destination: float = nan
@@ -48,8 +49,8 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
     """Returns the time that a robot needs for its errand; `now` is the supervisor's time.
 
-    A plan for another errand is not used, because it may have a long stay in place of one without
-    end. If the robot has no mission, its destination is the end of its plan.
+    A plan for another errand is not used, because it may have a long stay where the errand has an
+    endless one. If the robot has no mission, its destination is the end of its plan.
     """
     mission, own = errand.mission, None if plan is None else plan.plan_of(robot.name)
     if plan is None or own is None or not robot.works or not plan.is_for(robot.name, errand):
@@ -111,8 +112,8 @@ def _stay(dwell: float) -> float:
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
     """Returns the seconds from the next destination of a mission to its last one, without a plan.
 
-    These are the seconds of the fastest of `kinds`, without traffic. Stays count if they have an
-    end. Infinite: there is no path.
+    The fastest of `kinds` needs this time without traffic. The sum includes stays that have an end.
+    Infinite: there is no path.
     """
     left = mission.left
     stays = sum(max(mission.request.dwell(index), 0.0)

@@ -51,7 +51,7 @@ class TimetableView(NamedTuple):
 class TimetableRuns:
     """Finds the runs that are due.
 
-    stored -- returns the stored number of a name; 0: none is stored
+    stored -- returns the number that is stored under a name; 0: none is stored
     clock  -- returns ms since 1970; local time is that of this computer
     """
 

@@ -43,7 +43,7 @@ class WaitingMissions:
 
     @property
     def own_hindrances(self) -> Dict[str, Hindrance]:
-        """By robot, what hinders it from serving any mission now."""
+        """What hinders each robot from serving any mission now, by the robot's name."""
         busy, laden = self._book.serving, self._laden()
         return {name: own_hindrance(robot, name in busy, name in laden)
                 for name, robot in self._robots.items()}
@@ -91,5 +91,5 @@ class WaitingMissions:
 
     def _is_short(self, serial: int, looked_at: Mapping[int, Mission],
                   short: Mapping[int, str]) -> bool:
-        """Returns whether a mission still waits for a robot to be charged."""
+        """Returns whether a mission still waits until a robot has charged."""
         return serial in short if serial in looked_at else self._book.is_pending(serial)

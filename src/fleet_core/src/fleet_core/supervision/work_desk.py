@@ -113,7 +113,7 @@ class WorkDesk:
 
     @property
     def laden(self) -> FrozenSet[str]:
-        """Robots that may carry a load: they begin no other mission."""
+        """Robots that possibly carry a load: they begin no other mission."""
         return frozenset(name for name, load in self._loads.items()
                          if load.state is not LoadState.EMPTY)
 
@@ -125,7 +125,7 @@ class WorkDesk:
 
     @property
     def not_to_enter(self) -> Mapping[str, int]:
-        """By robot, the vertex that it must not enter yet."""
+        """For each robot, the vertex that it must not enter yet."""
         places = {name: rules.place_not_to_enter(work) for name, work in self._serving()}
         return {name: place for name, place in places.items() if place is not None}
 
@@ -229,7 +229,7 @@ class WorkDesk:
         have changed.
 
         Such a step was ordered by another fleet manager, or for a mission that this fleet manager
-        has ended or forgotten. So only the first report of a robot can show a new such step.
+        has ended or forgotten. So only the first report of a robot can add such a step.
         """
         before = self._strange.pop(name, frozenset())
         running = frozenset(step.key for step in report.steps if not step.word.is_final)
@@ -474,7 +474,7 @@ class WorkDesk:
     def _set_phase(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
         """Sets the state and reason of a mission.
 
-        While the robot of the mission has an outage, only the end of the mission is set.
+        While the robot of the mission has an outage, nothing changes unless the mission ends.
         """
         state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:

@@ -224,7 +224,8 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 def passed(situation: Situation, reached: int) -> Situation:
     """Returns the situation after the robot has passed the first `reached` stops.
 
-    A stop may be AT_WORK, because it was the last one until others were added. It is then left.
+    One of these stops may be AT_WORK, because it was the last stop until others were added. The
+    robot has left this stop, too.
     """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
@@ -236,7 +237,7 @@ def passed(situation: Situation, reached: int) -> Situation:
 def follow(situation: Situation, where: Where) -> Situation:
     """Returns the situation after the robot has moved, or steps have ended.
 
-    where -- seen from the stop that is present now; the result may have another present stop
+    where -- relative to the stop that is present before the call
     """
     work = situation.work
     if where.stands:
@@ -304,7 +305,7 @@ def _was_at_work(work: Work) -> bool:
 
 
 def _moved(work: Work, where: Where) -> Work:
-    """Returns the work after a robot was moved away from its stop, if it was.
+    """Returns the work after the robot was moved away from its stop; if it was not, the same work.
 
     A person is asked about the steps that run. After that, the robot drives back if its stop has
     steps left.
@@ -572,7 +573,7 @@ def settle(situation: Situation) -> Situation:
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
         elif is_open and own.seen is not Seen.OVER:
             situation = _update(situation, place, is_ended=True)
-        elif is_open:  # a person must say where a load is that the step moves
+        elif is_open:  # a person must say where the load of the step is
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
     work = situation.work
     if any(open_steps(work)):

@@ -15,7 +15,7 @@ from fleet_core.work.zones import Zone
 
 
 class JobSteps(NamedTuple):
-    """The steps at the stops of one kind of jobs that other programs send.
+    """The steps at the stops of one kind. Other programs send the jobs that have these stops.
 
     places -- vertices of these stops; empty: all vertices that no other entry of this kind names
     """

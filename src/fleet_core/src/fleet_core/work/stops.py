@@ -10,7 +10,7 @@ from route_protocol.steps import HAND_OVER
 
 MOST_STOPS = 1000       # maximum number of stops of a mission, including `on_cancel`
 MOST_STEPS = 50         # maximum number of steps of a stop
-LONGEST_TIMEOUT = 1e6   # s; more is a mistake
+LONGEST_TIMEOUT = 1e6   # s; a longer timeout is a mistake
 MOST_RETRIES = 100
 _LONGEST_TEXT = 256     # maximum number of letters of a type or parameter
 _MOST_PARAMETERS = 20
@@ -72,7 +72,7 @@ class Policy(IntEnum):
 
     ASK = 0
     FAIL = 1
-    RETRY = 2   # as many times as `retries` says, then ASK
+    RETRY = 2   # repeat as many times as `retries` says, then ASK
     SKIP = 3
 
 

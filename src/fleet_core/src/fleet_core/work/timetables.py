@@ -50,8 +50,8 @@ class Timetable:
     arguments -- for the parameters of the template
     every     -- minutes between two runs on one day
     begin     -- minute of the day of its first run
-    end       -- minutes from the beginning of that day to the last possible run; more than a day:
-                 after midnight
+    end       -- latest minute of a run, counted from the beginning of the day of the first run;
+                 more than a day: after midnight
     days      -- days of the week on which it begins; 0 is Monday
     priority  -- priority of its missions
     deadline  -- minutes after the time of a run by which it must be done; 0: no deadline

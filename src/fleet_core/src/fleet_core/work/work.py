@@ -37,7 +37,7 @@ class StepProgress:
     """The progress of one step.
 
     key      -- number under which the step was ordered last; 0: the step was never ordered
-    run      -- the run of its robot or device for which the step was ordered
+    run      -- run number of its robot or device when the step was ordered
     begun    -- the time at which it was ordered, in ms since 1970
     times_ordered -- how many times it was ordered
     is_ended -- it must not begin any more; if it runs, it must end if its actor can end it

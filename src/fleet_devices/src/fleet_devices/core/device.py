@@ -47,8 +47,8 @@ OPEN IS NEW     a report that says OPEN shows a request only if an exchange with
                 reading is not older than `offline_after`
 NUMBERS GROW    the number of a requester's newest request never falls, also across restarts with
                 the memory
-HELD IS OPENED  while a requester holds the device, each exchange sets the output, unless the
-                output reads on
+HELD IS OPENED  while a requester holds the device, each exchange sets the output to on, unless
+                the last reading shows that it is on
 LIVE            a device that works again becomes OPEN for its holder, and CLOSED if the last claim
                 was given back
 """
@@ -68,8 +68,8 @@ from route_protocol.devices import (
 )
 
 STEADY = 2          # number of equal readings in a row that are needed: an input may flicker
-MOST_HOLDERS = 100  # requesters that may hold one device
-KEPT = 50           # requesters that hold nothing, but whose last numbers are kept
+MOST_HOLDERS = 100  # maximum number of requesters that hold one device
+KEPT = 50           # number of requesters that hold nothing, but whose last numbers are kept
 
 _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 

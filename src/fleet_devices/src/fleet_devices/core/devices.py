@@ -58,7 +58,7 @@ class Devices:
         self.run = max(memory.run + 1, least_run)
         self.problem = ''  # why the memory cannot be stored; empty: it is stored
         self._store, self._periods = store, periods
-        self._kept = dict(memory.devices)  # with devices that the site does not have now
+        self._kept = dict(memory.devices)  # also has devices that the site lacks now
         self._devices: Dict[str, DeviceMachine] = {
             name: DeviceMachine.start(one, memory.devices.get(name, LOST), now)
             for name, one in limits.items()}

@@ -61,7 +61,7 @@ from route_protocol.steps import (
     Word,
 )
 
-_REPORTS = 2 ** 32  # more than the number of reports between two starts of the driver
+_REPORTS = 2 ** 32  # more report numbers than the driver needs between two starts
 
 
 class HandOverPhase(Enum):

@@ -42,7 +42,7 @@ class HandOvers:
                  now: float) -> None:
         self.problem = ''  # why the memory cannot be stored; empty: it is stored
         self._store, self._period = store, period
-        self._kept = dict(memory.devices)  # with devices that the site does not have now
+        self._kept = dict(memory.devices)  # also has devices that the site lacks now
         self._devices: Dict[str, HandOverMachine] = {
             name: HandOverMachine.start(
                 one, memory.devices.get(name) or HandOverMemory(new_run), now)

@@ -21,7 +21,7 @@ from fleet_devices.drivers.driver import Silent
 TIMEOUT = 1.0  # s for a connection, and for an answer
 PAUSE = 1.0    # s after a failed connection before the next one
 
-logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the exception Silent has the problem
+logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the driver raises Silent instead
 
 Clock = Callable[[], float]
 Request = Callable[[Any], Any]
@@ -56,7 +56,7 @@ class ModbusConnection:
         client = self._connected()
         try:
             answer = request(client)
-        except Exception as error:  # pymodbus and its asyncio, socket and struct raise many kinds
+        except Exception as error:  # pymodbus, asyncio, socket and struct raise many kinds
             self._fail(f'{type(error).__name__}: {error}')
         if answer is None or isinstance(answer, Exception):
             self._fail(str(answer) if answer is not None else 'no answer')

@@ -135,7 +135,7 @@ class DeviceNode:
             peer, machine = self._machine_drivers[name]
             self._lines[peer].put(partial(machine.exchange, start),
                                   partial(self._on_signals, name))
-        behind = rospy.get_time() - now  # s by which the monotonic clock is behind
+        behind = rospy.get_time() - now  # s by which the monotonic clock is behind ROS time
         for report in self._devices.reports(now):
             self._states.publish(message_of(report, behind))
         for name, steps in self._machines.reports(now):

@@ -157,7 +157,7 @@ def _answer(value: Any) -> str:
 
 
 def _step(value: Any) -> int:
-    """Returns the key of a step from its text: a browser's numbers have only 53 bits."""
+    """Returns the key of a step. It is a text, because a browser's numbers have only 53 bits."""
     if not isinstance(value, str) or not re.fullmatch('[0-9]{1,20}', value) or (
             int(value) > _UINT64):
         raise WrongAct('must be the key of a step, as text')

@@ -6,8 +6,8 @@ known person, it does not count and is not ended.
 If there is no room for a new connection, the oldest connection of the address with the largest
 number of connections is ended. So no client can take all places and keep them, and an address with
 few connections loses none while another address has more. If half requests displace other
-connections faster than the limit, a new connection is let in only with a whole request, because it
-is cheapest to refuse a half request.
+connections faster than the limit, a new connection is let in only when its request is complete,
+because it costs least to refuse half a request.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Admissions:
     def __init__(self) -> None:
         self._addresses: Dict[Hashable, str] = {}
         self._of: Dict[str, OrderedDict[Hashable, None]] = {}
-        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # addresses, by their connections
+        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # addresses, by number of connections
         self._largest = 0
         self._halves = RateLimit(EACH_SECOND, EACH_SECOND)
 

@@ -32,7 +32,8 @@ class ShownPose:
 class ShownRobot:
     """One robot.
 
-    outage   -- name of a code of itrci_nav_msgs/FleetRobot without OUTAGE_; NONE: the robot works
+    outage   -- an outage of itrci_nav_msgs/FleetRobot, without the prefix OUTAGE_; NONE: the robot
+                works
     edge     -- signed id; 0: off the graph
     fraction -- part of the edge that is behind the robot, 0..1
     seen     -- time of its last report, s since 1970; 0: never
@@ -141,7 +142,7 @@ ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK',
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
 NOT_OPEN = 'NOT_OPEN'  # the robot is in a door, and no report says that the door is open
-LADEN = 'LADEN'        # the robot carries something, or may, and its mission has ended
+LADEN = 'LADEN'        # the robot carries, or perhaps carries, something, and its mission has ended
 ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN, LADEN)
 
 

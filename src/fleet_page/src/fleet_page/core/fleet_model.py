@@ -1,9 +1,8 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
-`templates`, `timetables`,
-`robot:NAME`, `pose:NAME`, `plan:NAME`, `allocation:NAME`, `laser:NAME`, `resource:NAME`,
-`machine:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
+`templates`, `timetables`, `robot:NAME`, `pose:NAME`, `plan:NAME`, `allocation:NAME`, `laser:NAME`,
+`resource:NAME`, `machine:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
@@ -38,13 +37,13 @@ from fleet_page.core.records import Sums
 from fleet_page.core.robot_events import RobotEvent, event_between
 from trajectory_graph import Graph
 
-DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
+DEAD_AFTER = 3.0      # s without /fleet_state (2 Hz) after which the fleet manager counts as dead
 MOST_ENDED = 200      # ended missions on the page, at most
 MOST_REQUESTS = 6000  # requests that are kept for their missions, at most
 LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as driven
 LONGEST_GAP = 2.0     # s; a longer time between two states is counted as this time
-LEAST_CHANGE = 2.0    # s; a smaller change of a mission's expected end is not shown,
-SMALL_PART = 0.1      # and neither is a change by a smaller part of the time to go
+LEAST_CHANGE = 2.0    # s; a smaller change of a mission's expected end is not shown
+SMALL_PART = 0.1      # a change by a smaller part of the time to go is not shown either
 HOUR = 3600.0         # s; the page counts the missions that were done in this time
 NEEDS_PERSON = 'NEEDS_PERSON'  # state of a mission, and the cause of its alarm
 
@@ -164,9 +163,10 @@ class FleetModel:
         return fault, round(now) if fault else 0
 
     def _expect_ends(self, now: float) -> None:
-        """Notes when each mission under way is expected to end. Small changes are left out, because
-        they are
-        only noise."""
+        """Notes when each mission under way is expected to end.
+
+        Small changes are left out, because they are only noise.
+        """
         for key, status in self.missions.items():
             robot = self.robots.get(status.robot)
             if status.state not in OPEN_STATES or robot is None or robot.mission != status.id:
@@ -343,7 +343,7 @@ class FleetModel:
         self._done.extendleft(reversed(earlier))
 
     def forget_request(self, id: int) -> None:
-        """Forgets a mission's request, which may have changed, so that the journal is read."""
+        """Forgets a mission's request, because it may have changed: it is read from the journal."""
         for key in [key for key, status in self.missions.items()
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)
@@ -388,7 +388,7 @@ class FleetModel:
             'id': status.id, 'serial': status.serial, 'stamp': status.stamp // 10 ** 9,
             'state': status.state, 'robot': status.robot, 'reached': status.reached,
             'reason': status.reason,
-            'asks': str(status.asks) if status.asks else ''}  # text, because a browser would round
+            'asks': str(status.asks) if status.asks else ''}  # a browser would round a number
         for name, time in zip(('started', 'ended'), self._times.get(key, ())):
             if time is not None:
                 values[name] = round(time)

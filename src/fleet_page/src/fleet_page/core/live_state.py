@@ -23,7 +23,7 @@ class LiveState:
         self.revision = 1
         self._entries: Dict[str, Tuple[int, Any]] = {}
         self._gone: OrderedDict[str, int] = OrderedDict()
-        self._oldest = 0  # a client that has seen less than this revision may lack removals
+        self._oldest = 0  # a client with an older revision may have missed removals
         self._texts: OrderedDict[Tuple[int, int, ShownLayers], str] = OrderedDict()
 
     def put(self, key: str, value: Any) -> None:

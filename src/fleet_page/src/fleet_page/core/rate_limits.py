@@ -11,7 +11,7 @@ class RateLimit:
 
     def __init__(self, at_once: float, each_second: float) -> None:
         self._at_once, self._each_second = at_once, each_second
-        self._buckets: Dict[Hashable, Tuple[float, float]] = {}  # tickets left, time of the count
+        self._buckets: Dict[Hashable, Tuple[float, float]] = {}  # tickets left, and when counted
 
     def allows(self, key: Hashable, now: float) -> bool:
         """Takes a ticket. Returns False if there is none left."""

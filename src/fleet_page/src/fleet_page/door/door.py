@@ -185,7 +185,7 @@ class Door:
         answer = web.json_response(_me_values(person, True))
         answer.set_cookie(COOKIE, self._sessions.open(token, time.time()), httponly=True,
                           secure=self._access.secure, path='/')
-        answer.cookies[COOKIE]['samesite'] = 'Strict'  # aiohttp 3.6 has no argument for it
+        answer.cookies[COOKIE]['samesite'] = 'Strict'  # set_cookie of aiohttp 3.6 lacks it
         return answer
 
     async def _logout(self, request: web.Request) -> web.StreamResponse:

@@ -102,7 +102,7 @@ class DoorProcess:
 def _be_the_door(channel: socket.socket, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None]) -> NoReturn:
     """Runs the door's process until it ends."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, then the door
+    for number in (signal.SIGINT, signal.SIGTERM):  # only the page's process obeys them
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.INFO, format=_FORMAT)
     status = 1

@@ -1,6 +1,4 @@
-"""Carries out stops: while one stop runs, one further stop waits, which serves all requests that
-come.
-"""
+"""Carries out stops. While one stop runs, a second one waits; it serves all requests that come."""
 from __future__ import annotations
 
 import asyncio
@@ -25,7 +23,7 @@ class Stops:
         self._next: Optional[asyncio.Future[ActOutcome]] = None
 
     async def stop(self, person: str) -> ActOutcome:
-        """Returns the outcome of a stop that began after this call of a person."""
+        """Stops the fleet for a person. Returns the outcome of a stop begun after this call."""
         if self._next is None:
             self._next = asyncio.ensure_future(self._after(self._running, person))
         return await asyncio.shield(self._next)

@@ -19,10 +19,10 @@ STOPPED = '/stopped'   # the route by which the door reports stops; browsers can
 ANSWER_WITHIN = 30.0   # s within which the answer of the page's process must begin
 STALLED = 30.0         # s after which a client that does not read is disconnected
 CHECKED = 1.0          # s between two checks whether the session of an open stream is valid
-_RETRY = 1.0           # s
+_RETRY = 1.0           # s between two attempts to report a stop
 _MOST_REPORTS = 1000   # stops that are kept for the page's process, at most
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
-_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # never added here: the client sends them
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # aiohttp must not add them
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)

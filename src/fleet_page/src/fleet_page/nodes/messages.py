@@ -38,7 +38,7 @@ from node_lifecycle.headings import yaw_from_quaternion
 
 MOST_POINTS = 240    # points of a laser that are shown, at most
 MOST_FENCES = 20000
-FAR = 1e5            # m; a point as far away as this is an error
+FAR = 1e5            # m; a point at this distance or beyond is an error
 _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}

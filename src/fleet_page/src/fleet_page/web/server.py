@@ -39,7 +39,7 @@ SILENCE = 5.0         # s without a change after which an empty update is sent
 STALLED = 30.0        # s after which a client that does not read is disconnected
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 40
-KEPT_FOR_OPERATORS = 20  # number of these places that the role `see` cannot get
+KEPT_FOR_OPERATORS = 20  # number of clients for whom the role `see` leaves room
 FRESH = 2.0           # s for which an answer from the journal is used again
 MOST_HOURS = 24 * 90
 MOST_SOURCES = 10     # largest number of sources (lasers, allocations) received at the same time
@@ -301,7 +301,7 @@ def _span(request: web.Request) -> Tuple[int, float]:
 
 
 def _moment() -> int:
-    """Returns the number of the present moment. Within a moment (FRESH) an answer is used again."""
+    """Returns the number of the present period of FRESH s, in which an answer is used again."""
     return int(time.monotonic() // FRESH)
 
 

@@ -27,7 +27,7 @@ from node_lifecycle import parameter, run
 from node_lifecycle.periodic import Periodic
 
 PERIOD = 1.0  # s
-_ENDING = ': threads'  # end of the status names that watchdogs publish
+_ENDING = ': threads'  # suffix of the names of watchdog statuses
 
 
 class ServiceWatch:

@@ -53,7 +53,8 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     stretches -- length (m) and speed limit (m/s) of each
     speed     -- m/s at the start
     """
-    # for the end of each stretch, the last first: the highest squared speed that allows braking
+    # From the last stretch to the first: the highest squared speed at the end of the stretch
+    # from which the vehicle can still brake.
     ends = [0.0]
     for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
         ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
@@ -90,19 +91,22 @@ def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
 
 def _over(length: float, limit: float, speed: float, end: float, acceleration: float,
           braking: float) -> List[DrivePhase]:
-    """Returns the motion along one stretch; `end`: highest squared speed (m2/s2) at its end."""
+    """Returns the motion along one stretch.
+
+    end -- highest squared speed (m2/s2) at the end of the stretch
+    """
     if length <= _NONE:
         return []
     phases: List[DrivePhase] = []
     square = speed * speed
-    if square - 2.0 * braking * length >= end - 1e-9:  # it must brake all along
+    if square - 2.0 * braking * length >= end - 1e-9:  # it must brake along the whole stretch
         last = math.sqrt(max(square - 2.0 * braking * length, 0.0))
         return [DrivePhase(2.0 * length / (speed + last), speed, -braking)]
     if speed > limit:
         phases.append(DrivePhase((speed - limit) / braking, speed, -braking))
         length -= (square - limit * limit) / (2.0 * braking)
         speed, square = limit, limit * limit
-    # without a limit: the squared speed at which acceleration ends and braking begins
+    # squared speed at which, without a speed limit, acceleration ends and braking begins
     peak = (2.0 * acceleration * braking * length + braking * square + acceleration * end) / (
         acceleration + braking)
     fastest = square + 2.0 * acceleration * length

@@ -10,7 +10,7 @@ from fleet_simulation.agv.speed_limits import DriveLimits
 from fleet_simulation.agv.vehicle import AgvVehicle
 from trajectory_graph import Graph
 
-LONGEST_STEP = 1.0  # s of wall time; if more time has passed, a step simulates only this much
+LONGEST_STEP = 1.0  # s; longest wall time that one step simulates, even if more has passed
 
 
 class Simulation:
@@ -18,7 +18,10 @@ class Simulation:
 
     def __init__(self, graph: Graph, robots: Iterable[Robot], draw: Callable[[], int],
                  clock: Callable[[], int], speed: float = 1.0) -> None:
-        """`speed` is the simulated time per wall time; AgvVehicle describes `draw` and `clock`."""
+        """Creates the AGVs. The docstring of AgvVehicle describes `draw` and `clock`.
+
+        speed -- simulated s per s of wall time
+        """
         self.time = 0.0
         self.speed = speed
         self.vehicles: Dict[str, AgvVehicle] = {

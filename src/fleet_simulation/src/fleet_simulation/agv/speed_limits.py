@@ -9,7 +9,7 @@ import numpy as np
 
 from trajectory_graph import Graph
 
-SAMPLE = 0.05   # m between the points at which the bend of a curve is computed
+SAMPLE = 0.05   # m; distance between the points at which the bend of a curve is computed
 CORNER = 0.05   # rad; up to this change of direction, an AGV need not stop between two edges
 CREEP = 0.05    # m/s, lowest speed in a bend
 _STEPS = 20     # number of levels to which speeds in bends are rounded down

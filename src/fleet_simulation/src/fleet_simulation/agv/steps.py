@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Tuple
 
 from route_protocol.steps import ActorState, Reaction, StepCode, StepCommand, StepReport, Word
 
-SECONDS = 2.0   # s that a step takes if it has no parameter `seconds`
+SECONDS = 2.0   # s; duration of a step without the parameter `seconds`
 LONGEST = 1e6   # s
 
 

@@ -44,7 +44,7 @@ from route_protocol.values import (
 from route_protocol.vehicle import Answer, VehicleState
 from trajectory_graph import Graph, change_of, speed_of
 
-MOST = 99.9  # highest percentage of an edge that is reported before it is complete
+MOST = 99.9  # highest percentage of an edge that is reported before the edge is complete
 FOREVER = float('inf')
 MOVED_FOR = 1.0  # s; for this time after a push, the AGV reports that a person moves it
 _GRAPH_CHANGED = Reason(
@@ -191,7 +191,7 @@ class AgvVehicle:
         self._report_change()
 
     def _pass(self, seconds: float) -> None:
-        """Simulates a time during which the AGV may drive throughout, or must stand throughout."""
+        """Simulates a period in which stalls and slow drives neither begin nor end."""
         if self.battery.charge <= 0.0:
             self._lose_route(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
@@ -214,10 +214,9 @@ class AgvVehicle:
 
     @property
     def next_event(self) -> float:
-        """The seconds until more than the place may change in the AGV's report, if no order and no
-        fault comes.
+        """The seconds for which only the place can change in the AGV's report.
 
-        0: this time is unknown.
+        An order or a fault can change the report earlier. 0: this time is unknown.
         """
         if self._intake.waiting is not None or self._time < self._moved_until:
             return 0.0

@@ -17,7 +17,7 @@ from graph_editor.floor import Floor
 from graph_editor.robot import NEARLY_STRAIGHT
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
-STEP = 0.05  # m between the checked points of a curve
+STEP = 0.05  # m; distance between the checked points of a curve
 GRAIN = 0.01  # m, accuracy of the floor; a corridor may be too narrow by this much
 
 

@@ -29,7 +29,7 @@ class ServedFloor:
     """The floor with a driving distance of at most `reach` m from the edges."""
 
     def __init__(self, floor: Floor, clearance: float, reach: float) -> None:
-        """`clearance`: free space around a robot's centre, m."""
+        """`clearance`: the free space (m) that a robot's centre needs."""
         self._floor, self._reach = floor, reach
         parts, _ = ndimage.label(floor.clearance >= clearance, EVERY_NEIGHBOUR)
         self._parts = parts

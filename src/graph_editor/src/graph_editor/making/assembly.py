@@ -31,7 +31,7 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
     positions = positions or {node: net.positions[node] for node in net.nodes}
     vertices: Dict[int, Vertex] = {}
     edges: List[Edge] = []
-    thetas: Dict[int, Tuple[float, float]] = {}  # by node: its longest piece's length, direction
+    thetas: Dict[int, Tuple[float, float]] = {}  # length, direction of a node's longest piece
     next_id = max(net.nodes) + 1
     for way in (_in_order(net, way, places) for way in ways):
         here = way.first
@@ -58,8 +58,9 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
 
 
 def _directions(piece: Piece) -> Tuple[float, np.ndarray, np.ndarray]:
-    """Returns the length of a straight piece (a spline: infinity), and the directions at its
-    start and its end.
+    """Returns the length of a piece, and the directions at its start and its end.
+
+    The length of a spline counts as infinite.
     """
     if piece.control is None:
         along = piece.end - piece.start

@@ -17,7 +17,7 @@ from graph_editor.making.sight import TOLERANCE
 LEAST_FLOOR = 0.6  # m2; least floor that a bay must serve
 PER_METRE = 0.4  # m2; additional floor that a bay must serve for each metre of its length
 LONGEST = 8.0  # m; largest length of a bay
-STEP = 0.5  # m between the places at which a bay may begin
+STEP = 0.5  # m; distance between the places at which a bay may begin
 FROM_NODE = 0.8  # m; a bay that would start nearer to a node starts at the node
 
 

@@ -21,7 +21,7 @@ from trajectory_graph.curves import cubic_bezier
 LEAST_TURN = math.radians(6.0)
 MOST_TURN = math.radians(120.0)  # at a larger angle a robot turns on the spot
 FROM_CORNER = 0.42  # m; largest distance between a spline and the corner that it replaces
-LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m from the corner to the start of the spline
+LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m; from a corner to the start of its spline
 SHARE = 0.45  # share of a lane that a spline may use if the lane's other end is a junction
 SHORTEST_LANE = 0.4  # m; shortest lane between two splines
 

@@ -16,10 +16,10 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 LEAST_FLOOR = 1.0  # m2; a dead end stays if it alone serves this much floor
-LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner: bays are better there
+LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, where a bay is better
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
 WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if it alone serves this much floor
-NARROW_IS_WORSE = 3.0  # where no corridor fits, a lane must be this many times as useful to stay
+NARROW_IS_WORSE = 3.0  # a lane too narrow for a corridor must be more useful by this factor
 MERGING = 1.0  # m; junctions within this distance become one if there is little space
 DOOR = 0.3  # m; if a path becomes wider again by this much, it has passed a kind of door
 AHEAD = 1.5  # m; this part of each chain must be visible from the merged junction
@@ -151,8 +151,8 @@ class _Pruner:
     def prune_loops(self) -> None:
         """Removes sides of loops, the least useful first.
 
-        A removal can only make the other sides more useful. So a use that was computed earlier is a
-        lower bound. A use is computed again only when it is the lowest of all.
+        A removal can only make the other sides more useful, so a usefulness that was computed
+        earlier is a lower bound. It is computed again only when it is the lowest of all.
         """
         waiting = [(0.0, chain.id, chain) for chain in self._graph.chains]
         heapq.heapify(waiting)

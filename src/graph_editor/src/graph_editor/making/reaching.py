@@ -20,9 +20,9 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.straights import Margin, margins_of, straights, ways_to_drive
 from graph_editor.making.tidying import LEAST_FLOOR
 
-STEP = 0.25  # m between the places at which lanes may begin, bend and end
+STEP = 0.25  # m; distance between the places at which lanes may begin, bend and end
 ENOUGH = 0.9  # a path is shortened to a part that serves this share of the path's floor
-MIDDLE = 2.0  # m of path; 1 m of clearance at the end of a path counts as much
+MIDDLE = 2.0  # m; 1 m of clearance at a path's end is worth this length of path
 
 Cell = Tuple[int, int]
 
@@ -117,8 +117,9 @@ def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
 
 def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
             floor: Floor) -> int:
-    """Returns how many points, from the start of a path, are enough: they serve the share ENOUGH of
-    the floor that the whole path serves.
+    """Returns the number of points at the start of a path that serve enough of the path's floor.
+
+    ENOUGH is the share of this floor that they must serve.
     """
     def served(count: int) -> int:
         return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))

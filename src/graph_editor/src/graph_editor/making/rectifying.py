@@ -21,13 +21,13 @@ NEARLY = math.radians(18.0)  # a lane is aligned to an axis if the angle between
 SHORT_OFFSET = 0.4  # m; a lane is also aligned if its ends deviate less than this from an axis
 FARTHEST = 1.2  # m; largest movement of a node
 SAMPLES = 8  # number of points of the skeleton that represent a lane
-MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights of: axes, fixed nodes, present positions of nodes
+MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights: axes, fixed nodes, present node positions
 ROUNDS = 60
 Key = Tuple[int, int]
 
 
 def rectify(net: LaneNet, axes: Sequence[float], held: Collection[int] = ()) -> None:
-    """Moves the nodes of `net`, except the `held` nodes. Each free lane stays free."""
+    """Moves the nodes of `net`, except the `held` nodes. A lane that is free stays free."""
     _Rectifier(net, axes, held).run()
 
 
@@ -77,8 +77,8 @@ class _Rectifier:
             self._net.positions[node] = start
 
     def _give_up(self, wrong: List[Key], far: List[int]) -> None:
-        """Drops conditions. A wrong lane no longer follows its axis; if it followed none, its nodes
-        are fixed. All lanes at the nodes `far` count as wrong.
+        """Drops the conditions of wrong lanes. A lane that followed an axis follows it no longer.
+        The nodes of any other lane are fixed. All lanes at the nodes `far` count as wrong.
         """
         for node in far:
             wrong += [(min(node, other), max(node, other)) for other in self._net.neighbours(node)]

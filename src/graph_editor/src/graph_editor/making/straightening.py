@@ -15,8 +15,8 @@ from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-STEP = 0.2  # m between the points of a chain at which a piece may end
-STRAYING = 4.0  # cost per m3 of squared deviation times length
+STEP = 0.2  # m; distance between the points of a chain at which a piece may end
+STRAYING = 4.0  # cost per m3 of the squared deviation, integrated along the path
 LONGEST = 150  # largest number of steps in a piece
 
 
@@ -73,8 +73,8 @@ def _stops(path: np.ndarray) -> List[int]:
 
 
 def _moments(path: np.ndarray) -> np.ndarray:
-    """Returns (N,6): the integrals of 1, x, y, x2, xy, y2 from the start of the path to each of its
-    points.
+    """Returns the integrals (N,6) of 1, x, y, x2, xy, y2 from the start of the path to each of its
+    N points.
     """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     x, y = ((path[1:] + path[:-1]) / 2.0).T

@@ -14,8 +14,8 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import straight
 
 LONGEST = 3.0  # m; largest length of a lane between two places to turn
-PIECE = 0.5  # m of path that cost as much as an additional lane
-TIGHTNESS = 4.0  # m of path that cost as much as one metre less clearance
+PIECE = 0.5  # m; an additional lane costs as much as this length of path
+TIGHTNESS = 4.0  # m; one metre less clearance costs as much as this length of path
 AWAY = 8.0  # m; paths are searched within this distance of the points to connect
 JUMP = 2.0  # m; largest length of a lane from one part of the floor for turning to another
 

@@ -69,7 +69,7 @@ def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
                    back: Optional[np.ndarray]) -> float:
     """Returns the area (m2) that no lane would serve if this lane ended at `back`.
 
-    back -- None: if this lane were removed
+    back -- the new end of the lane; None: the lane is removed
     """
     lane = net.lane(tip, base)
     kept = [np.array(net.ends(other)) for other in net.lanes if other.nodes != lane.nodes]

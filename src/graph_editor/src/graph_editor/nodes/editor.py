@@ -62,7 +62,7 @@ from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_editing import GraphFile
 from trajectory_graph.yaml_file import dump_graph
 
-TICK = 0.1  # s between two periodic steps
+TICK = 0.1  # s; time between two periodic steps
 REST = 0.5  # s; after this time without a change, the whole graph is checked again
 GRAPH_PERIOD = 0.25  # s; the shortest time between two messages that contain drafts
 

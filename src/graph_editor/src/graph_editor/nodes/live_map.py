@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from nav_msgs.msg import OccupancyGrid
 
 TOPIC = 'topic:'
-PATIENCE = 10.0  # s to wait for a map
+PATIENCE = 10.0  # s; longest wait for a map
 
 
 def load_map(name: str, options: SiteOptions) -> MappedSite:

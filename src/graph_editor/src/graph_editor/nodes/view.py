@@ -20,8 +20,8 @@ from graph_editor.nodes.live_map import load_map
 from graph_editor.site import SiteOptions
 
 WIDTH, HEIGHT = 1248, 808  # px, the 3D view in the window of the configuration
-BORDER = 0.8  # m around the map
-WORDS_ABOVE = 1.2  # m above the map for the message
+BORDER = 0.8  # m; margin around the map
+WORDS_ABOVE = 1.2  # m; space above the map for the message
 
 
 def fitted(text: str, floor: Floor) -> str:

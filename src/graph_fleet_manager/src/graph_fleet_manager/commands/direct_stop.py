@@ -18,10 +18,10 @@ from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
-PATIENCE = 8.0    # s for the whole stop: rospy waits without end for a master that hangs
-NAMES_IN = 0.5    # s to wait for the names in /fleet_state; the fleet manager may hang
-REACHED_IN = 3.0  # s for the connections to the robots
-FLUSHED_IN = 0.3  # s for the messages to reach the robots over their connections
+PATIENCE = 8.0    # s; limit for the whole stop: rospy waits without end for a master that hangs
+NAMES_IN = 0.5    # s; limit for the names in /fleet_state; the fleet manager may hang
+REACHED_IN = 3.0  # s; limit for the connections to the robots
+FLUSHED_IN = 0.3  # s; time for the messages to reach the robots over their connections
 _ROUTE = '/target_route'
 
 

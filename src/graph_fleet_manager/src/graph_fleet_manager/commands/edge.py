@@ -78,7 +78,7 @@ def _is_id(word: str) -> bool:
 
 
 def ids_of(words: Iterable[str], areas: Mapping[str, Sequence[int]]) -> List[int]:
-    """Returns the edges for ids and names of areas. Raises CommandProblem."""
+    """Returns the edges that ids of edges and names of areas stand for. Raises CommandProblem."""
     found: List[int] = []
     for word in words:
         if _is_id(word):
@@ -146,8 +146,11 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
 
 
 def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
-    """Sends a command. Returns the list of closed edges that shows its effect."""
-    in_force.unread()  # drops messages from before the command: they do not answer it
+    """Sends a command and waits for the list of closed edges that shows its effect.
+
+    Returns this list.
+    """
+    in_force.unread()  # drops earlier messages: they do not answer the command
     wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
     told = first_answer(command, in_force, lambda message: (
         set(command.edges) & set(message.edges) == wanted))

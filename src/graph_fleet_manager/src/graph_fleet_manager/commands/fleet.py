@@ -1,5 +1,5 @@
 """The command `fleet`: lists all robots; says what a robot waits for; stops and resumes the fleet;
-takes a robot out of service and puts it back; lets it charge; declares that it is absent, or what
+takes a robot out of service and puts it back; asks it to charge; declares it absent; declares what
 it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
@@ -44,10 +44,10 @@ from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
 EMPTY = 'empty'       # the load of a robot that carries nothing
-GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives the drawn names of edges
+GRAPH_PATIENCE = 2.0  # s to wait for the graph; only the drawn names of edges need it
 _NAMES = {int(state): state.name for state in RobotState}
 _WAITS = {int(code): code.name for code in WaitCode}
-_AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
+_AT_VERTEX = 0.01     # the part of an edge at each end that counts as the vertex, 0..1
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

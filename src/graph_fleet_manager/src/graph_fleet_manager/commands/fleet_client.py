@@ -32,7 +32,7 @@ def run(name: str, command: Callable[[List[str]], int],
     except CommandProblem as error:
         print(f'{name}: {error}', file=sys.stderr)
         return error.status
-    except NotSent as reason:  # the receiver has ended since it was found
+    except NotSent as reason:  # the receiver was found, but has ended since
         print(f'{name}: {reason}', file=sys.stderr)
         return WRONG
     except rospy.ROSInterruptException:
@@ -104,7 +104,7 @@ class MessageSource(Protocol):
 
 
 def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], seconds: float) -> Any:
-    """Waits at most this time (s) for a wanted message; None: there was none."""
+    """Returns the first wanted message; None if none comes within this time (s)."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         source.wait(deadline - time.monotonic())

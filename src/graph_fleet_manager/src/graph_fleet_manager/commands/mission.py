@@ -220,7 +220,7 @@ def _time_of_day(text: str) -> rospy.Time:
 
 
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
-    """Returns the fields of a request that follow from the options that every mission has."""
+    """Returns the fields of a request that are set by the options of all missions."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
             'after': [MissionDependency(request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),
@@ -324,7 +324,10 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
 
 
 def _destinations(request: MissionRequest, status: MissionStatus) -> List[int]:
-    """Returns the destinations of a mission. In a group, the fleet manager chooses the vertex."""
+    """Returns the destinations in the request or, if it names no vertices, those in the status.
+
+    The fleet manager chooses the vertex of a group.
+    """
     return list(request.destination_vertices_id) or list(status.destinations)
 
 
@@ -361,7 +364,7 @@ def _listed(missions: Sequence[MissionStatus]) -> str:
 
 
 def _origin(status: MissionStatus) -> str:
-    """Returns the template of a mission with the arguments and the earliest time of its request."""
+    """Returns a mission's template and arguments; while it is PLANNED, also its earliest time."""
     words = [status.template, *(f'{one.name}:={one.value}' for one in status.arguments)]
     if status.state == MissionState.PLANNED:
         words.append(f'not before {_clock(status.earliest.to_sec())}')
@@ -369,7 +372,7 @@ def _origin(status: MissionStatus) -> str:
 
 
 def _deadline(status: MissionStatus) -> str:
-    """Returns the deadline of a mission, with an alarm; '-' if it has no deadline."""
+    """Returns the deadline of a mission, with `AT RISK` or `MISSED` if so; '-' if it has none."""
     alarm = {DeadlineState.AT_RISK: ' AT RISK', DeadlineState.MISSED: ' MISSED'}
     return _clock(status.deadline.to_sec()) + alarm.get(status.deadline_code, '')
 
@@ -389,7 +392,7 @@ def _values(status: MissionStatus) -> Dict[str, Any]:
 def _clock(seconds: float) -> str:
     """Returns a time of day, with the date if it is not today.
 
-    '-' for a request without a stamp.
+    Returns '-' for the time 0, which means that no time was given.
     """
     if not seconds:
         return '-'
@@ -474,7 +477,8 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
-    """Fills in the new destinations. If one is a group, all become stops: only a stop has a group.
+    """Fills in the new destinations. If one is a group, all are sent as stops, because only a stop
+    can name a group.
     """
     if any(isinstance(one, str) for one in destinations):
         message.stops = visits(destinations)

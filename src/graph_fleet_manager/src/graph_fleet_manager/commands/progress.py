@@ -11,14 +11,14 @@ from node_program.inert_text import return_to_line_begin
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name
 
-EVERY = 5.0  # s between two lines if the output is no terminal and nothing changes
+EVERY = 5.0  # s between two lines without a terminal, if nothing changes
 
 
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             graph: Graph) -> str:
     """Returns one line about the progress of a mission.
 
-    destinations -- of the request; empty if a template was requested: then `status` lists them
+    destinations -- those of the request or, if it has none, of `status`; empty: neither has any
     """
     if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED, MissionStatus.PLANNED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'

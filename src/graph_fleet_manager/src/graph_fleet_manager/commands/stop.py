@@ -23,8 +23,8 @@ from graph_fleet_manager.commands.direct_stop import stop_robots
 from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 SERVICE = '/stop_fleet'
-PATIENCE = 1.0    # s for the answer; a fleet manager that takes longer hangs
-_LONGEST = 10000  # bytes of an answer, at most
+PATIENCE = 1.0    # s to wait for the answer; after this time, the fleet manager counts as hung
+_LONGEST = 10000  # the most bytes of an answer
 
 
 class NoStop(Exception):

@@ -17,7 +17,7 @@ from file_replacement import replace_file
 
 
 def note(master_uri: str, service_uri: str) -> None:
-    """Stores the address (rosrpc://) of the stop service, by the URI of the ROS master.
+    """Stores the address (rosrpc://) of the stop service in the file for this ROS master.
 
     Raises OSError.
     """
@@ -37,8 +37,8 @@ def _path(master_uri: str) -> Path:
     """Returns the file for a ROS master.
 
     All names of this computer give the same file, because the person and the launch file may use
-    different names for it. The computer's own name belongs to these names, even if it has no
-    address.
+    different names for it. The host name of the computer counts as one of these names, even if
+    it has no address.
     """
     host, port = rosgraph.network.parse_http_host_and_port(master_uri)
     is_here = host == socket.gethostname() or rosgraph.network.is_local_address(host)

@@ -10,7 +10,7 @@ from typing import Any, List, Mapping, Optional, Sequence
 from fleet_core.supervision.fleet_stop import FleetStop
 
 WIDTH = 100     # columns of a table that fits
-_SHORTEST = 8   # letters: no cell is cut to fewer
+_SHORTEST = 8   # letters; a cell is never cut to a shorter length
 _INDENT = '    '
 _MORE = '...'
 
@@ -21,7 +21,7 @@ def offer_json(parser: argparse.ArgumentParser) -> None:
 
 
 def as_json(values: Mapping[str, Any]) -> str:
-    """Values as one JSON object."""
+    """Returns the values as one JSON object."""
     return json.dumps(values, indent=1)
 
 

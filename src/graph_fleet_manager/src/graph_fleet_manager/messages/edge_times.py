@@ -57,7 +57,9 @@ class TimesKept:
         self._table: Times = {}
 
     def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """Returns the table that a request uses; None: it changes a table that is not kept."""
+        """Returns the table that a request uses; None: the request changes a table that the planner
+        does not have.
+        """
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told

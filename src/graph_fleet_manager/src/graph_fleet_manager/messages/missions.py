@@ -185,7 +185,7 @@ def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
     """
     last = int(_END_OF_TIME.to_nsec())
     nanoseconds = min(max(int(now.to_nsec()) + round(1e9 * seconds), 0), last)
-    time = genpy.Time.__new__(genpy.Time)  # without its checks, which take ten times as long
+    time = genpy.Time.__new__(genpy.Time)  # skips its checks, which take ten times as long
     time.secs, time.nsecs = divmod(nanoseconds, 10 ** 9)
     return time
 
@@ -222,7 +222,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
     stamp.
 
     software -- name and version of each robot's software, by robot, if the robot reports them
-    rate     -- how many times as fast as the clock simulated robots are
+    rate     -- factor by which simulated robots are faster than the clock
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),
                              machines=machine_messages(machines), robots=[
@@ -247,7 +247,7 @@ def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], behind: Callable[
                  now: genpy.Time) -> msg.FleetPlan:
     """Returns the plans of all robots as a message; `now` is its stamp.
 
-    behind -- returns the seconds of ROS time from the stamp to a time of the plans
+    behind -- converts a time in the plans to seconds of ROS time after the stamp
     """
     message = msg.FleetPlan(plans=[
         msg.RobotPlan(name, msg.PlannedDrives(

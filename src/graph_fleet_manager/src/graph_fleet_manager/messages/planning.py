@@ -189,7 +189,7 @@ def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Ma
 
     released -- how many drives of each robot are already released
     """
-    names = dict.fromkeys((*released, *outcome.drives))  # the robots of the tasks first
+    names = dict.fromkeys((*released, *outcome.drives))  # the robots of the tasks come first
     answer.plans = [msg.RobotPlan(name, _drives_message(outcome.drives[name], rate),
                                   min(released.get(name, 0), len(outcome.drives[name])))
                     for name in names if name in outcome.drives]
@@ -271,6 +271,6 @@ def _constraints_of(order: msg.Precedence) -> Tuple[Constraint, ...]:
         raise WrongAnswer('the arrays of its precedence have different lengths')
     known = len(order.robots)
     if any(number >= known for number in (*order.before, *order.robot)):
-        raise WrongAnswer(f'its precedence has {known} robots, and the number of one more')
+        raise WrongAnswer(f'its precedence has {known} robots, but a rule names one more')
     return tuple(Constraint(order.robots[first], before, fraction, order.robots[then], drive)
                  for first, before, fraction, then, drive in zip(*columns))

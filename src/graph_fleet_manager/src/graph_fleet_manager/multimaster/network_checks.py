@@ -155,8 +155,8 @@ class NetworkChecks:
         return Checked('nodes', Grade.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
-        """Returns the nodes that run on the other computer: they have the same host as the rosout
-        there.
+        """Returns the nodes that run on the other computer: their URIs have the same host as the
+        URI of the rosout there.
 
         The master there also lists nodes of further masters with which it is joined.
         """

@@ -16,7 +16,7 @@ MASTER_PORT = 11311     # TCP port of a ROS master
 DISCOVERY_PORT = 11621  # TCP port of master_discovery, as join_masters.launch sets it
 TIMEOUT = 2.0           # s for one call
 _CALLER = '/graph_fleet_manager'
-_MOST = 10000           # entries of an answer that are used at most
+_MOST = 10000           # the most entries of an answer that are used
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error,
              xml.parsers.expat.ExpatError, ValueError, TypeError, KeyError)
 

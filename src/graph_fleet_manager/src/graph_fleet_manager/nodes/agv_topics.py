@@ -26,7 +26,7 @@ from route_protocol.values import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s
-EARLY = 0.02                           # s by which a period may be shorter, to match the ticks
+EARLY = 0.02                           # s; a message due this soon is sent at the present tick
 
 
 class AgvTopics:

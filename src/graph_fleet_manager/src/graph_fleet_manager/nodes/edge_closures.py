@@ -99,7 +99,7 @@ class EdgeClosures:
                 unknown = self._closures.replace(self._whole(message.edges), stamp.to_nsec(),
                                                  rospy.Time.now().to_nsec(), self._known)
                 self.publish()
-        except OutOfDate as late:  # or a latched message of a publisher that connected again
+        except OutOfDate as late:  # also if a publisher reconnects and repeats a latched list
             rospy.logwarn('A list of closed edges with stamp %.3f s is not used: it is not newer '
                           'than the last change, at %.3f s. Use /edge_command, which ignores the '
                           'stamp.',

@@ -32,7 +32,8 @@ from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 STALL = 1.0       # s; if more time passes between two looks at the clock, the process was halted
 RECOVERY = 0.25   # s after a halt in which callbacks take the reports that came during the halt
 BATCH = 100       # the most requests in one commit; a stop may have to wait for one commit
-# So many commands and reports may wait, and as many requests. If more come, callbacks block.
+# The most commands and reports that may wait together, and the most requests that may wait. If more
+# come, callbacks block.
 _WAITING = 10000
 _TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
@@ -70,7 +71,7 @@ class SupervisorEvents:
         self._reports: List[_Arrived] = []  # a heap
         self._newest: Dict[str, Tuple[ReportEvent, float]] = {}  # with the time of its arrival
         self._requests: OrderedDict[int, Request] = OrderedDict()
-        self._by_id: Dict[int, List[int]] = {}  # by id: the numbers of the requests
+        self._by_id: Dict[int, List[int]] = {}  # the numbers of the requests with each id
         self._room = threading.Semaphore(_WAITING)
         self._request_room = threading.Semaphore(_WAITING)
         self._is_ready = False

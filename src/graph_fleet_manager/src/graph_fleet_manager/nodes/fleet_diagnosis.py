@@ -16,7 +16,7 @@ _NAMED = 20  # missions that are listed with their reason, at most
 
 def report_fleet(view: Optional[FleetView], trouble: str,
                  status: DiagnosticStatusWrapper) -> None:
-    """Fills in the state of every robot. Without a supervisor there is no view.
+    """Fills in the state of every robot. `view` is None while there is no supervisor.
 
     - ERROR while the journal cannot be written, a robot is in a door that is not open for it, or
       `trouble` (a clause) prevents the start of the supervisor.

@@ -1,7 +1,7 @@
 """The services of the fleet.
 
-They stop and resume all robots; take one robot out of service and put it back; declare that it is
-absent, or what it carries; and pause a timetable. They return the status of a mission, and what a
+They stop and resume all robots; take one robot out of service and put it back; declare it absent;
+declare what it carries; and pause a timetable. They also return the status of a mission, and what a
 mission waits for.
 """
 from __future__ import annotations
@@ -218,7 +218,7 @@ class FleetServices:
         Such a call is then given up: after a person was told that robots do not go on, the robots
         must not go on later.
 
-        lasts -- the call stops robots: it is urgent, and is carried out even after `patience`
+        lasts -- True: the call stops robots; it is urgent, and is carried out even after `patience`
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
         turn = threading.Lock()  # acquired once: by the call, or to give the call up

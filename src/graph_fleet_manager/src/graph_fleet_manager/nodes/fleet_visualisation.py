@@ -17,8 +17,8 @@ Client of (std_srvs/Trigger, except declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
     ~fleet_file     string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
-    ~says_ready     bool    false    log once when the fleet is ready, and how to give it a mission;
-                                     not needed with the page, which says so itself
+    ~says_ready     bool    false    true: log once that the fleet is ready, and how to give it a
+                                     mission. With the page, this is not needed: the page says it
 """
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ from trajectory_graph import Graph
 from trajectory_graph.placing import Places
 
 PERIOD = 0.1         # s between two pictures of the robots
-SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
-RADIUS = 0.4         # m, of a robot whose type is not known
+SLOW = 3             # periods between two pictures of the plans, and between two moves of a handle
+RADIUS = 0.4         # m, radius of a robot whose type is not known
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person',

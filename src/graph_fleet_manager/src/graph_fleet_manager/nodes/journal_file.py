@@ -20,7 +20,7 @@ FORGET_PERIOD = 10.0   # s between two deletions of missions that ended long ago
 class JournalFile:
     """The journal and its state. Raises ConfigurationError if the file can never hold a journal.
 
-    journal -- None until the file could be opened
+    journal -- None until the file has been opened
     trouble -- a clause that says why the journal cannot be used; empty if no reason is known
     """
 

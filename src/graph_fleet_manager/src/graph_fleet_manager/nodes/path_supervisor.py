@@ -37,7 +37,7 @@ Parameters
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
     ~keep_days    float   90.0   days for which the journal keeps missions that have ended
     ~improvement  float   0.0 s  time in which the planner improves a plan before it answers
-    ~order_switching bool  false  robots that wait for a late robot may drive before it
+    ~order_switching bool  false  true: robots that wait for a late robot may go before it
     ~check_every     int   0      events between two checks against the model of allocations; 0: no
                                   check
     ~sim_speed    float   1.0    factor by which simulated robots are faster
@@ -336,7 +336,9 @@ class PathSupervisor:
                 f'/devices/{device}/step_states')
 
     def _listen_to_devices(self, devices: Iterable[str]) -> None:
-        """Subscribes to the steps of these devices only, and so receives latched reports again."""
+        """Subscribes to the steps of these devices only. The new subscriptions receive the latched
+        reports again.
+        """
         for subscriber in self._device_subscribers:
             subscriber.unregister()
         self._device_subscribers = [
@@ -350,7 +352,7 @@ class PathSupervisor:
         except WrongDeviceMessage as wrong:
             rospy.logwarn_throttle(10.0, f'A report of a device is ignored: {wrong}.')
             return
-        ahead = time.monotonic() - rospy.get_time()  # s by which the supervisor's clock is ahead
+        ahead = time.monotonic() - rospy.get_time()  # s, supervisor's clock minus ROS time
         report = report.at(report.since + ahead,
                            None if report.read_at is None else report.read_at + ahead)
         self._events.put_report(

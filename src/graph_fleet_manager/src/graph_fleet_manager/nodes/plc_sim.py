@@ -1,15 +1,16 @@
 """plc_sim: plays the PLCs of stations that hand loads over, for demonstrations and tests.
 
-A mission of a template waits at each step of an outside program until that program answers. This
-node answers DONE after a delay. It does not answer steps for which a person is asked.
+A mission made from a template may have steps that a program outside carries out. The mission waits
+at such a step until the program answers. This node answers DONE after a delay. It does not answer
+steps for which a person is asked.
 
 Subscribes
     /mission_status (itrci_nav_msgs/MissionStatus)
 Publishes
     /mission_command (itrci_nav_msgs/MissionCommand)
 Parameters
-    ~templates  string  pallet  names of the templates whose missions it answers, with commas
-    ~seconds    float   3.0 s   that a hand-over takes
+    ~templates  string  pallet  the templates whose missions it answers, separated by commas
+    ~seconds    float   3.0 s   duration of a hand-over
 """
 from __future__ import annotations
 

@@ -127,8 +127,8 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """Returns, by edge id, the possible destinations in the connected part of the graph with the
-    edge.
+    """Returns for each edge id the possible destinations in the connected part of the graph that
+    contains the edge.
 
     Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
     have no entries.

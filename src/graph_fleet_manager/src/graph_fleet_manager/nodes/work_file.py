@@ -28,7 +28,7 @@ class WorkFile:
         self._warned: Set[str] = set()
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
-        """Returns the work at the site of a graph, as read from the file; None: the file is wrong.
+        """Reads the work file for the site of a graph; returns its content, or None if it is wrong.
 
         Warns of places where a robot would keep other robots from their loads.
 

@@ -17,7 +17,7 @@ MOST_STOPS = 50
 _LONGEST_NAME = 127
 _WORD = re.compile(r'"[^"]*"|\S+')
 _LINKED = re.compile(r'and linked to job_id (\S+)')
-_MODIFYING = ('modifying', 'modiying')  # a published client expects the second one
+_MODIFYING = ('modifying', 'modiying')  # a published client expects the second spelling
 _SEGMENT_LINES = ('queueupdate:', 'queuequery:', 'queueshow:')
 
 

@@ -59,12 +59,12 @@ Store = Callable[[Sequence[HandedJob]], None]
 
 
 class TooManyJobs(Exception):
-    """No further job may be open."""
+    """So many jobs are open that no further job is accepted."""
 
 
 @dataclass(frozen=True)
 class _Question:
-    """The command that waits for its answer: its name in lower case, its job, and since when."""
+    """The command without an answer yet: its name in lower case, its job, and when it was sent."""
 
     command: str
     job: str

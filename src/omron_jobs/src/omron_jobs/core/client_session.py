@@ -93,7 +93,7 @@ class ClientSession:
 
 
 class JobServer:
-    """All clients; carries out their commands, and sends them changes.
+    """Carries out the commands of all clients, and sends changes to all of them.
 
     on_changes -- called with changes after they were sent to all clients
     """

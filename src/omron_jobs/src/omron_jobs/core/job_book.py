@@ -51,7 +51,7 @@ from omron_jobs.core.posted_records import PostedRecord
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission, after which a question is sent
 QUESTIONS = 10      # largest number of questions per second; a thousand missions may be silent
-MOST_OPEN = 2000    # jobs
+MOST_OPEN = 2000    # largest number of open jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
 
@@ -97,7 +97,7 @@ class FleetAct(Enum):
 
     REQUEST = 'request'
     CANCEL = 'cancel'
-    CHANGE = 'change'   # priority (of the first segment), stop `first` and all later stops
+    CHANGE = 'change'   # changes priority (of the first segment), stop `first`, all later stops
     ASK = 'ask'         # queries the stored state of its mission
 
 
@@ -302,7 +302,7 @@ class JobBook:
         return [FleetMessage(FleetAct.ASK, job) for _, _, job in silent[:most]]
 
     def hear(self, mission: int, stamp: int, news: JobMission, now: float) -> List[SegmentChange]:
-        """Handles the status of a mission. `stamp`: of its request, ms; `now`: as in `due`."""
+        """Handles the status of a mission. `stamp`: that of its request, ms; `now`: as in `due`."""
         job = self.shelf.get(mission)
         if job is None or job.queued != stamp or not job.is_open:
             return []
@@ -313,7 +313,7 @@ class JobBook:
         return changes
 
     def hear_drives(self, drives: Mapping[int, JobDrive]) -> List[SegmentChange]:
-        """Handles the drives of all robots. `drives`: by the mission that the robot serves."""
+        """Handles the drives of all robots. The keys are the missions that the robots serve."""
         before, self._drives = self._drives, drives
         return [change for mission, drive in drives.items()
                 if mission in self.shelf and before.get(mission) != drive

@@ -21,7 +21,7 @@ from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
 from omron_jobs.core.robots import RobotNews, faults_of
 
-MOST_GOALS = 50         # of one job
+MOST_GOALS = 50         # largest number of goals of one job
 SHOWN_ENDED = 11        # largest number of ended segments in the list of queueShow
 VERSION = '1.1.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
@@ -106,8 +106,8 @@ class JobCommands:
                         changes_of(job))
 
     def queue_pickup_dropoff(self, command: CommandLine) -> JobReply:
-        """Queues a pickup and the drop-off after it. If a robot drops off at the goal of the pickup
-        next, this robot must serve the new job (a swap).
+        """Queues a pickup and the drop-off after it. If the next act of a robot is a drop-off at
+        the goal of the pickup, this robot must serve the new job (a swap).
         """
         pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
         swap = self._book.swap_at(pickup.vertex)
@@ -350,7 +350,7 @@ _Matches = Callable[[QueuedJob, JobSegment], bool]
 def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
     """Returns a function that tests whether a command's type and value name a segment.
 
-    only_current -- whether a robot or status can only name the segment that is served or comes next
+    only_current -- whether robotName and status match only the segment that is served or comes next
     Raises JobRefused.
     """
     wanted = value.lower()

@@ -1,6 +1,6 @@
-"""All jobs that are kept, in several orders, for quick queries.
+"""All jobs that are kept, with several indices for quick queries.
 
-Each order is updated when a job changes. A server may have a thousand jobs, so a new status of one
+Each index is updated when a job changes. A server may have a thousand jobs, so a new status of one
 job must not require a search through all of them.
 """
 from __future__ import annotations

@@ -106,7 +106,7 @@ class JobMission(NamedTuple):
 
 
 class Told(NamedTuple):
-    """The status of a segment that was sent to clients. An empty robot is OMRON's None."""
+    """The status of a segment that was sent to clients. An empty `robot` is sent as None."""
 
     status: SegmentStatus
     substatus: str = NONE
@@ -213,7 +213,7 @@ def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[
 
 
 def carrier_to(job: QueuedJob, vertex: int) -> str:
-    """Returns the robot that will end a job with its next drop-off, at `vertex`; empty: none.
+    """Returns the robot whose next act, the drop-off at `vertex`, ends the job; empty: none.
 
     Such a robot carries the load of the job, so no other robot can get the job.
     """

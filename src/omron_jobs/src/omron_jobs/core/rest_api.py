@@ -48,7 +48,7 @@ from omron_jobs.core.rest_words import (
 
 OK, CREATED, BAD, UNKNOWN, BROKEN = 200, 201, 400, 404, 500
 _ERRORS = {BAD: 'Bad Request', UNKNOWN: 'Not Found', BROKEN: 'Internal Server Error'}
-_SERVER_FIELDS = ('status', 'assignedJobId', 'audit', 'upd')  # in records that clients send back
+_SERVER_FIELDS = ('status', 'assignedJobId', 'audit', 'upd')  # allowed in a posted record
 _MILLIS = re.compile(r'\d{1,19}\Z', re.ASCII)
 _TYPES = {kind.value: kind for kind in RestType}
 _KINDS = {name: kind for kind, word in SEGMENT_TYPE.items()
@@ -188,7 +188,7 @@ class RestApi:
                                JobOrigin(kind.value, key, job_id, uses_defaults), swap)
         self._announce(changes_of(job))
         record = self._records.by_key(kind, key or f'~{job.segments[0].number}')
-        assert record is not None  # since it was announced
+        assert record is not None  # `_announce` has made it
         return record
 
     def _goals_of(self, detail: Any, uses_defaults: bool) -> List[JobGoal]:

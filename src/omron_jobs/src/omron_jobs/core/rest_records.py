@@ -31,7 +31,7 @@ from omron_jobs.core.rest_words import (
 )
 from omron_jobs.core.robots import RobotFault, RobotNews, faults_of
 
-LONGEST_HISTORY = 5000  # records of each type
+LONGEST_HISTORY = 5000  # largest number of kept versions for each type of records
 Record = Dict[str, Any]
 Listener = Callable[[RestType, Record], None]
 _REFUSED = (SegmentStatus.CANCELLED, SegmentStatus.CANCELLING)
@@ -149,7 +149,7 @@ def updated(kind: RestType, record: Mapping[str, Any]) -> int:
 class RestRecords:
     """All records, each with the time of its last change.
 
-    Its attributes are the records by type, and the numbers and times of each type.
+    Its attributes are the records of each type, with their numbers and times.
     clock -- returns ms since 1970
     posted -- the stored records of cancellations and modifications
     listeners -- called with each record that is new or has changed
@@ -171,7 +171,7 @@ class RestRecords:
         self._last = 0
         for one in posted:
             self.post(one)
-        for job in book.jobs:  # the start of this program changes no job that has ended
+        for job in book.jobs:  # at the start, only open jobs count as changed
             if job.is_open:
                 self._changed[job.mission] = None
             else:

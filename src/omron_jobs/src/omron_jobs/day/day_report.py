@@ -12,7 +12,7 @@ from node_program.inert_text import cell
 from omron_jobs.day.day_run import PlayedDay
 from omron_jobs.day.judge import WatchedJob
 
-SHOWN = 10          # largest number listed of late jobs, refused commands, broken promises
+SHOWN = 10          # largest number of entries in each list: late jobs, refusals, broken promises
 _COLUMNS = ('job', 'line', 'queued', 'robot', 'wait_s', 'lead_s', 'state')
 _GOOD = 'No job was lost, and none was done twice. All lines that were told are true.'
 

@@ -22,8 +22,8 @@ from omron_jobs.day.fleet_desk import FleetDesk
 from omron_jobs.day.judge import GoalPlace, Judge, WatchedJob
 from omron_jobs.fleet.missions import goals_of
 
-TICK = 0.5              # s between two checks of the robots, and of the messages due
-LONGEST_REST = 7200.0   # s after the last line
+TICK = 0.5              # s between two checks of the robots and of the messages that are due
+LONGEST_REST = 7200.0   # s from the last line to the end of the day, at most
 _UPDATE = 'QueueUpdate: '
 _MINUTE = 60.0
 

@@ -1,6 +1,6 @@
 """Hands jobs to an OMRON Fleet Manager: connects the state machine `JobClient` to an ARCL link.
 
-`omron_arcl` does connection and login. When the link closes, even because the process ends, the TCP
+`omron_arcl` connects and logs in. When the link closes, even because the process ends, the TCP
 connection is reset: the kernel drops bytes that were not delivered. So no command of an old link
 arrives after the first query of the next link.
 """

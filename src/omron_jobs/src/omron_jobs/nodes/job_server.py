@@ -85,7 +85,7 @@ from omron_jobs.nodes.fleet_news import (
 from omron_jobs.nodes.job_file import JobFile
 from trajectory_graph import Graph
 
-TICK = 0.2          # s between two checks for what is due
+TICK = 0.2          # s between two checks for work that is due
 SHORTEST_PERIOD = 0.1  # s between two repetitions of the outgoing commands
 _NAME = 'job_server'
 

@@ -46,7 +46,7 @@ class RobotSeen:
 
 @dataclass(frozen=True)
 class CommandEnded:
-    """A command that `Give` requested has ended. `text` has words of robot or controller."""
+    """A command that `Give` requested has ended. `text` quotes the robot or the controller."""
 
     number: int
     ending: Outcome
@@ -59,8 +59,8 @@ class CommandEnded:
 class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
-    foreign_epoch -- the newest epoch that the bridge did not begin: another giver, another client,
-        the robot itself or its emergency stop did; 0: the present epoch
+    foreign_epoch -- the newest epoch that was begun not by the bridge, but by another giver,
+        another client, the robot itself or its emergency stop; 0: it is the present epoch
     is_ours -- the robot obeys the bridge, or is in its emergency stop
     obeys_us -- the epoch began because the robot obeys a drive of the bridge
     reason -- why the epoch began, for a person

@@ -148,7 +148,7 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
                 ) -> None:
-        """Takes a location (m). A location with a status of motion is older than the arrival."""
+        """Takes a location (m), which is older than the arrival if its status shows motion."""
         stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place

@@ -80,7 +80,7 @@ class LastWord:
     def ended(self, event: CommandEnded, now: float) -> None:
         """Notes that the controller's answer came, or was lost."""
         if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
-            if not (self.is_stop and self.is_taken):  # a taken stop is sent by the controller
+            if not (self.is_stop and self.is_taken):  # the controller sends a taken stop
                 self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
         elif not self.is_stop and event.ending in _TOLD_BY_MOTION:

@@ -12,9 +12,9 @@
     | the last event was a motion without a drive of ours                    | MOVED             |
     | nothing has happened since the start of this program                   | UNKNOWN           |
 
-The robot rests if its status shows no motion and its locations stay within STILL m for RESTING s. A
-location counts only if it comes after the end of the route and after the last motion. The first
-such location is the centre to which all others are compared, so a slow motion is seen as well.
+The robot rests if its status shows no motion and its locations stay near one centre (`STILL`) for
+some time (`RESTING`). A location counts only if it comes after the end of the route and after the
+last motion. The first such location is the centre, so a slow motion is seen as well.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class MotionJudge:
         self._rests = False
         self._otherwise = Motion.UNKNOWN  # the motion of a robot that does not rest
         self._centre: Optional[MapLocation] = None
-        self._is_driven = False  # by another giver or by hand
+        self._is_driven = False  # whether another giver or a person drives the robot
 
     def route_ended(self, phase: Phase) -> None:
         """Notes that a route has ended. The robot may still roll on for a while."""

@@ -201,11 +201,11 @@ class RobotMonitor:
             self._judge_foreign_epoch(known, event)
 
     def _is_of_master(self, event: p.MotionTold) -> bool:
-        """Returns whether a command of the master itself began this epoch. If so, the later orders
-        of the master are given after this command.
+        """Returns whether a command of the master itself began the epoch of the event. Then orders
+        of the master that come later were given after this command.
 
         Returns False if the command ended a drive of ours that the controller had. Also returns
-        False if there may have been epochs between this one and the last one known here.
+        False if there may have been epochs between the last known epoch and this one.
         """
         word = self.tracker.word
         had_our_drive = self.tracker.goal is not None and 0 < word.number <= event.number
@@ -216,14 +216,14 @@ class RobotMonitor:
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
         """Notes whether another giver, another client or the robot itself acted after the `known`
-        epoch. Between this epoch and that of the event, there may have been epochs of which no
-        message came.
+        epoch. Between the known epoch and the epoch of the event, there may have been epochs of
+        which no message came.
         """
         before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
         if not known or self.foreign_epoch == before:
             return
         cause, reason = event.cause, event.reason
-        if self.foreign_epoch != event.epoch:  # it began earlier; its cause is unknown
+        if self.foreign_epoch != event.epoch:  # that epoch began earlier; its cause is unknown
             cause, reason = EpochCause.OTHER_GIVER, 'an epoch that was not told here'
         if cause is not EpochCause.EMERGENCY_STOP:
             self._taken_over = TakenOver(f'Another giver came first: {reason}.')

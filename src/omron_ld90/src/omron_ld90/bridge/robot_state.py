@@ -14,7 +14,7 @@ from route_protocol.values import NO_REASON, Reason, ReasonCode
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: if a stamp is older by more than this, the clock was set back
 USUAL_PERIOD = 0.5              # s between two statuses of the robot, until the period is measured
-NODE_SILENCE = 2.0              # s; a node without a report for so long is away; 1 s is usual
+NODE_SILENCE = 2.0              # s without a report after which a node counts as away; 1 s is usual
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class _LinkState:
         self.reason = ''
         self.heard: Optional[float] = None   # time of the last report
         self.changed = -math.inf             # when the link last went up or down
-        self.spared_until = -math.inf        # until then the link may be down: its node was away
+        self.spared_until = -math.inf        # until then the link may be down, as its node was away
 
     def update(self, report: LinkReported, now: float, restart_timeout: float) -> None:
         if self.heard is not None and now - self.heard > NODE_SILENCE:

@@ -104,7 +104,7 @@ class RouteFollower:
                                   lambda: self.vehicle.state.master or '')
         self.route: Optional[RouteRun] = None
         """The driving of the vehicle's present or last route; None: no such route on this graph."""
-        # the record of a route to continue, and the time after which it is given up
+        # the record of a route to continue, and the time after which this route is given up
         self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
         self.orders = Intake(self.vehicle, self._begin_route, self._report_refusal,
                              settings.location_timeout)
@@ -394,7 +394,7 @@ class RouteFollower:
         if self._restored is None:
             return
         record, give_up = self._restored
-        if self.running and self.robot.overruled is not None:  # a giver has acted: it ends
+        if self.running and self.robot.overruled is not None:  # a giver has ended the route
             self._restored = None
             self.robot.check_giver()
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)

@@ -12,7 +12,7 @@ from trajectory_graph import Curve, Graph, Vertex
 
 Point = Tuple[float, float]
 
-SLACK = 0.5  # m; along its curve a robot may advance by this and twice its movement
+SLACK = 0.5  # m; on a curve a robot can advance by this length plus twice its movement
 MOST = 99.9  # per cent, the maximum on an edge that is not complete
 
 

@@ -17,7 +17,7 @@ from route_protocol.values import Reason, ReasonCode
 
 def continued_route(record: BridgeMemory, here: GraphLocation,
                     run: Callable[[int], RouteRun], now: float) -> Optional[RouteRun]:
-    """Returns the continued route of `record`. None: the route had ended, and the graph is another.
+    """Returns the continued route of `record`. None: it had ended, and the graph lacks its edges.
 
     If the route had ended on this graph, only the position on it is restored. Raises RouteFailed if
     a running route cannot continue.

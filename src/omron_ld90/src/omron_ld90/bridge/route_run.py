@@ -32,7 +32,7 @@ from trajectory_graph.drawn_names import vertex_name
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command until the robot drives on a new path, including a reserve
-RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may be older than the arrival
+RESTS_TO_JUDGE = 2  # locations at rest after a reported arrival; the first may be older than it
 
 
 class RouteRun:

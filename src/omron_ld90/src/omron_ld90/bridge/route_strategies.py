@@ -38,7 +38,7 @@ class StrategyContext:
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """Returns the index of the farthest edge to whose end the robot's own path is the route.
+        """Returns the index of the farthest edge to whose end the robot's path follows the route.
 
         The search begins with the edge `first`. It goes beyond an edge only if the index of the
         edge is `wanted`, and never beyond the next stop.
@@ -95,14 +95,14 @@ STRATEGIES: Mapping[str, Strategy] = {
 
 @dataclass(frozen=True)
 class RouteSettings:
-    """The settings for driving routes, in m and s. The default motion values are of the LD-90.
+    """The settings for driving routes, in m and s.
 
-    Each attribute is a parameter of the node.
+    The default motion values are those of the LD-90. Each attribute is a parameter of the node.
     """
 
     dock_vertex: Optional[int] = None
     strategy: Strategy = rolling
-    native_command: str = ''  # replaces `goto`, with {goals} and {last}
+    native_command: str = ''  # template that replaces `goto`, with {goals} or {last}
     vertex_tolerance: float = 0.3
     corridor_width: float = 0.9
     stall_timeout: float = 30.0

@@ -138,7 +138,7 @@ class RouteMemory:
     @staticmethod
     def _write_parameter(content: Dict[str, Any]) -> None:
         try:
-            rospy.set_param(PARAMETER, json.dumps(content))  # one text is one parameter
+            rospy.set_param(PARAMETER, json.dumps(content))  # a dict would be many parameters
         except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
             rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
                                          'ROS master does not answer (%s).', error)

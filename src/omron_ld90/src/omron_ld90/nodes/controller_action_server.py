@@ -28,9 +28,9 @@ class ActionServer(actionlib.ActionServer):
     on_cancel_all -- called when everything is cancelled, even if no goal is under way
     """
 
-    status_frequency: float  # Hz, of actionlib, which reads it from the parameter server
-    status_timer: Any  # of actionlib, a timer that follows ROS time
-    last_cancel: rospy.Time  # of actionlib: it refuses goals whose stamp is not newer
+    status_frequency: float  # Hz; actionlib reads it from the parameter server
+    status_timer: Any  # actionlib's timer, which follows ROS time
+    last_cancel: rospy.Time  # actionlib refuses goals whose stamp is not newer than this
 
     def __init__(self, name: str, kind: type, on_goal: Callable[..., None],
                  on_cancel: Callable[..., None], always_taken: Callable[[Any], bool],

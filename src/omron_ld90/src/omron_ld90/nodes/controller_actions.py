@@ -30,7 +30,7 @@ from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.callers import giver_of
 from omron_ld90.nodes.support.old_messages import OldMessages
 
-_QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for all servers here
+_QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # actionlib reads it for this namespace
 _RESULTS_QUEUED = 1000
 
 # Gives a command; raises ArclError. Arguments: text, giver, known_epoch, number, ...
@@ -203,6 +203,6 @@ class CommandActions:
 
 
 def _keep_results() -> None:
-    """Lets _RESULTS_QUEUED results wait for a client, instead of actionlib's 50."""
+    """Lets more results wait for a client than the 50 of actionlib, unless a parameter is set."""
     if not rospy.has_param(_QUEUE_PARAMETER):
         rospy.set_param(_QUEUE_PARAMETER, _RESULTS_QUEUED)

@@ -14,7 +14,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from omron_arcl import Command, HelpList
 from omron_arcl.guard import is_unlisted
 
-_MAXIMUM_NAMES = 20  # of commands that are remembered
+_MAXIMUM_NAMES = 20  # largest number of remembered commands
 
 
 class HelpReport:

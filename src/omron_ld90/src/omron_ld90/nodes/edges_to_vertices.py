@@ -183,7 +183,7 @@ class EdgesToVertices:
             self._report(self._follower.report())
 
     def _act(self, actions: Iterable[p.Action]) -> None:
-        self._memory.keep(self._follower.record)  # before the robot acts
+        self._memory.keep(self._follower.record)  # the record is kept before the robot acts
         for action in actions:
             if isinstance(action, p.Give):
                 self._commands.give(action.number, action.command, action.known_epoch)

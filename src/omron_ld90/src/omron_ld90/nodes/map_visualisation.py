@@ -139,7 +139,7 @@ class MapVisualisation:
             if made_from:
                 self._wait_for(path, made_from)
             with self._loading:
-                if self._watcher is None:  # otherwise change_map came first
+                if self._watcher is None:  # if not, change_map came first
                     self._watcher = MapWatcher(path)
                     if not self._watcher.unfinished:
                         self._try_to_show(path)

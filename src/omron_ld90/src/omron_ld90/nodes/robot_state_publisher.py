@@ -39,7 +39,7 @@ Parameters
     ~odom_frame   string  (empty)  frame of an odometry that publishes ~odom_frame -> ~base_frame
     ~max_age      float   1.0 s    a location older than this is not published
     ~laser_scan   bool    false    true: publish `scan`
-    ~laser_frame  string  <namespace>/laser_link; TF has its place on the robot (the URDF)
+    ~laser_frame  string  <namespace>/laser_link; its place on the robot comes from TF (the URDF)
 """
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ from omron_ld90.nodes.support.transforms import wait_for_transform
 from omron_ld90.odometry import MeanMotion, MotionMeter, TimedPose
 from omron_ld90_msgs.msg import RobotStatus
 
-SILENCE = 3.0  # s; /diagnostics warns after so long without a location; 0.5 s is usual
+SILENCE = 3.0  # s without a location after which /diagnostics warns; 0.5 s is usual
 REFUSALS_TOLD = 10.0  # s between two log lines about ignored locations
 ODOMETRY_TIMEOUT = 0.1  # s, maximum wait for the odometry of a location
 UNUSED_AXES = 1e-6  # variance of motions that a robot on a floor cannot make

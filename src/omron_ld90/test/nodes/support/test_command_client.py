@@ -1,4 +1,4 @@
-"""The end of a command comes from its goal, or from the loss of this goal."""
+"""A command ends with the result of its goal, or as LOST if the goal is lost."""
 from __future__ import annotations
 
 import threading

@@ -15,7 +15,7 @@ OURS = rospy.resolve_name('map_visualisation')
 
 @pytest.fixture
 def told() -> list:
-    """Returns a list for the arguments of the callbacks: documents and paths."""
+    """Returns a list that collects the callback's arguments: (document, path)."""
     return []
 
 

@@ -25,7 +25,10 @@ CHARGE_CHECK = 1.0          # s between two checks of the charger's phase
 
 
 class Docking:
-    """Docking state, charger and battery of one robot; calls `changed` to announce `line`."""
+    """Docking state, charger and battery of one robot.
+
+    After each change, calls `changed`, which announces `line`.
+    """
 
     def __init__(self, clock: SimClock, base: Base, percent: float,
                  changed: Callable[[], None]) -> None:
@@ -42,7 +45,7 @@ class Docking:
                 f'ChargeState: {self.charge.value}')
 
     def begin_docked(self) -> None:
-        """Sets the state of a robot that has long been in its dock, charged or charging."""
+        """Sets the state of a robot that has been in its dock for long, charging or charged."""
         self.battery.docked(charged_before=True)
         self.state, self.charge = DockingPhase.DOCKED, self.battery.charge_state
         self._watch()

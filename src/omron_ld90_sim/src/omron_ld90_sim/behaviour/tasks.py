@@ -70,8 +70,8 @@ def script(robot: SimRobot, task: RobotTask) -> Script:
 # -- the tasks -------------------------------------------------------------------------------
 
 def _move(robot: SimRobot, task: RobotTask) -> Script:
-    """Carries out `<mm> <mm/s> <front clearance> <side clearance> <s without progress
-    before it fails>`.
+    """Drives straight: `<mm> <mm/s> <front clearance> <side clearance> <s without progress after
+    which it fails>`.
     """
     left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), MINIMUM_SPEED)
     clearance, timeout = task.number(2, 200.0), task.number(4, 30.0)
@@ -125,7 +125,7 @@ def _turn(robot: SimRobot, turn: Callable[[], Turn]) -> Script:
 
 
 def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
-    """Carries out `<deg, left positive> <deg/s>`; the angle may exceed a whole turn."""
+    """Turns by an angle: `<deg, left positive> <deg/s>`; the angle may exceed a whole turn."""
     limits, angle = robot.base.limits, task.number(0)
     wanted = abs(task.number(1, limits.goal_rotation))
     rate = min(max(wanted, MINIMUM_ROTATION), limits.path_rotation)
@@ -133,7 +133,7 @@ def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
 
 
 def _set_heading(robot: SimRobot, task: RobotTask) -> Script:
-    """Carries out `<deg>`; turns in the shorter direction."""
+    """Turns to a heading, `<deg>`, in the shorter direction."""
     yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
                                          robot.base.limits.goal_rotation))
 

@@ -29,9 +29,7 @@ class SimBattery:
         self._since_docked = 0.0
 
     def docked(self, charged_before: bool = False) -> None:
-        """Notes that the charger was just connected, or has long been connected
-        (`charged_before`).
-        """
+        """Notes that the charger was connected just now; if `charged_before`, long ago."""
         self._since_docked = OVERCHARGE_TIME if charged_before else 0.0
 
     def discharge(self, seconds: float, driving: bool) -> None:

@@ -50,7 +50,7 @@ class AnalogInput:
 
 @dataclass(frozen=True)
 class Load:
-    """The content of a payload slot, and since when (`MM/DD/YYYY hh:mm:ss`)."""
+    """The content of a payload slot, and the time of loading (`MM/DD/YYYY hh:mm:ss`)."""
 
     text: str
     since: str

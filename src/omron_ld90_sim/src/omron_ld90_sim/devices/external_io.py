@@ -1,14 +1,14 @@
 """External I/O: named banks of inputs and outputs that another device keeps up to date.
 
-Positions of bits and bytes count from 1. Values are printed in hexadecimal: one digit for four
-bits, rounded down, and more digits if the value needs them. All examples of ARCL manual I617-E-02
-p. 82-101 follow these rules.
+Positions of bits and bytes count from 1. Values are printed in hexadecimal, with one digit for each
+whole group of four bits, and with more digits if the value needs them. All examples of ARCL manual
+I617-E-02 p. 82-101 follow these rules.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-MAXIMUM_BITS = 4096         # of one bank
+MAXIMUM_BITS = 4096         # largest size of a bank
 DECIMAL_BITS = 32           # a decimal value sets only this many bits
 
 
@@ -33,7 +33,7 @@ class Bank:
         self._set(position, 1, int(on))
 
     def set_byte(self, position: int, value: int) -> None:
-        """Sets a byte, as far as the bank has its bits. Raises ValueError if it has none."""
+        """Sets those bits of a byte that the bank has. Raises ValueError if it has none of them."""
         self._set(position, 8, value)
 
     def _set(self, position: int, width: int, value: int) -> None:

@@ -49,10 +49,10 @@ def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.nda
     field, cell = floor.sight.ravel(), floor.resolution
     rows, columns = floor.sight.shape
     ranges = np.full(len(direction), np.inf)
-    start = (origin - floor.origin) / cell + 0.5        # in cells; their edges are whole numbers
+    start = (origin - floor.origin) / cell + 0.5        # in cells; a cell's edges are whole numbers
     along = direction.T / cell                          # cells per mm
     edge = np.where(along > 0, [[columns], [rows]], 0.0) - start[:, None]
-    with np.errstate(divide='ignore', invalid='ignore'):    # mm to where a ray leaves the map
+    with np.errstate(divide='ignore', invalid='ignore'):    # mm until a ray leaves the map
         sides = np.where(along == 0, np.inf, edge / along)
     limit = np.minimum(sides.min(axis=0), RANGE)
     rays: np.ndarray = np.arange(len(direction))

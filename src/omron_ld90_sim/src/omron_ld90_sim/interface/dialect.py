@@ -48,7 +48,7 @@ class Encoding(Enum):
 
 @dataclass
 class Dialect:
-    """The words of one robot's server that differ between robots."""
+    """The words and settings of one robot's server; they differ between robots."""
 
     prompt: bytes = PROMPT.encode() + b'\r\n'
     welcome: Tuple[str, ...] = WELCOME

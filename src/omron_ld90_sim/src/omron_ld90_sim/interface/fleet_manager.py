@@ -106,7 +106,7 @@ class SimFleetManager:
     # -- jobs ----------------------------------------------------------------------------------
 
     def goal(self, name: str, command: str) -> str:
-        """Returns the goal with that name, in any case. Raises BadJob."""
+        """Returns the goal with that name, ignoring case. Raises BadJob."""
         found = next((goal for goal in self._goals() if goal.lower() == name.lower()), None)
         if found is None:
             raise BadJob(f'{command} no such goal "{name}"')

@@ -123,7 +123,7 @@ class JobQueue:
         return added
 
     def check_modifiable(self, id: str) -> QueueSegment:
-        """Returns the segment with that id, in any case. Raises NotModifiable."""
+        """Returns the segment with that id, ignoring case. Raises NotModifiable."""
         found = next((one for one in self.segments if one.id.lower() == id.lower()), None)
         if found is None or found.status not in ('Pending', 'InProgress'):
             raise NotModifiable(id)
@@ -176,7 +176,7 @@ class JobQueue:
                 self._part(one)
 
     def advance(self) -> None:
-        """Begins for each free robot the segment that is due."""
+        """Gives each free robot the segment that is due for it."""
         busy = {one.robot for one in self.segments if one.is_open and one.status != 'Pending'}
         for robot in self.robots:
             if robot.is_free and robot.name not in busy:
@@ -191,7 +191,7 @@ class JobQueue:
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _owner(self, segment: QueueSegment) -> str:
-        """Returns the robot that must serve a segment, because it served the segment before."""
+        """Returns the robot that must serve a segment: the one of the preceding segment."""
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:

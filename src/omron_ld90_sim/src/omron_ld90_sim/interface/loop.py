@@ -78,11 +78,12 @@ class Loop:
 
     def _woken(self, mask: int) -> None:
         self._wake_read.recv(4096)
-        for _ in range(len(self._calls)):   # calls that these calls add wait for the next round
+        for _ in range(len(self._calls)):   # calls added meanwhile wait for the next round
             self._calls.popleft()()
 
     def stop(self) -> None:
-        """Ends `run`; safe from any thread or signal handler, before `run`, and if repeated."""
+        """Ends `run`. Any thread or signal handler may call it, also before `run` and repeatedly.
+        """
         self._stopped = True
         with contextlib.suppress(OSError):      # the loop may have ended and closed already
             self._wake_write.send(b'.')

@@ -43,7 +43,7 @@ BUILT_IN = (    # types that a map need not declare, including the LD-90's dock
     ObjectType('RobotHome', 'LocationType'), ObjectType('ForbiddenArea', 'SectorType'),
     ObjectType('ForbiddenLine', 'BoundaryType'),
 )
-UNKNOWN = ObjectType('', 'SectorType')      # replaces a type that is used but not declared
+UNKNOWN = ObjectType('', 'SectorType')      # stands for a type that is not declared
 
 
 def object_types(document: MapDocument) -> List[ObjectType]:

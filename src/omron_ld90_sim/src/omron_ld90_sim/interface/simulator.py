@@ -192,7 +192,7 @@ class Simulator:
                 function()
             except NoSuchFault as error:
                 errors.append(error)
-            self.loop.call(done.set)    # next round: ports and connections have changed by then
+            self.loop.call(done.set)    # in the next round; by then, ports etc. have changed
 
         self.loop.call(call)
         if not done.wait(ANSWER_TIMEOUT):

@@ -11,7 +11,7 @@ from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn
 STEP = 0.05             # s between two steps while moving
 BISECTIONS = 10
 CLOSE = 0.05            # mm and deg; a manoeuvre ends when less than this is left
-CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
+CREEP = 5.0             # mm/s and deg/s, lowest speed at the end of a manoeuvre
 
 
 class Base:

@@ -18,7 +18,7 @@ from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn, line, stra
 CORNER_STEP = 15.0                                      # mm between samples
 CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
 SHORTEST_REACH = 60.0
-REACH_PER_DEGREE = 2.0                                  # mm, minimum reach per degree of turn
+REACH_PER_DEGREE = 2.0      # mm; the least distance to the tangent points, per degree of turn
 SHARPEST_CORNER = 120.0                                 # deg; at a sharper corner the robot stops
 NEGLIGIBLE = 0.5                                        # mm
 
@@ -53,8 +53,9 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
                way: PlannedWay) -> List[Manoeuvre]:
-    """Returns for each of `tracks` a turn and a track that begins at a standstill; then the last
-    turn of `way`.
+    """Returns a turn and a track for each of `tracks`, and the last turn of `way`.
+
+    The robot stands at the beginning of each track.
     """
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
@@ -125,7 +126,9 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
 
 def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: Space,
             clearance: float) -> Optional[np.ndarray]:
-    """Returns poses along a curve that rounds the corner a-v-b and begins at or after `at`.
+    """Returns poses along a curve that rounds the corner a-v-b.
+
+    The curve begins at the point `at` between a and v, or after it.
 
     Returns None if the robot must stop to turn.
     """

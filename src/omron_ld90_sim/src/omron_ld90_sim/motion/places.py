@@ -32,7 +32,7 @@ def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
 def start_places(document: MapDocument, floor: SimFloor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
                  ) -> List[SimPose]:
-    """Returns the start pose of each robot: as in `wanted` (mm, mm, degrees); None: a free place.
+    """Returns the start pose of each robot. None in `wanted` (mm, mm, degrees) means a free place.
 
     The free places are, in this order: docks, RobotHome, goals with a heading, other goals, and
     random places. Each is farther than START_DISTANCE from the places that are taken.

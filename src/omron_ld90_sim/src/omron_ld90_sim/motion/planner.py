@@ -30,7 +30,7 @@ SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is search
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # a path near the ends may cost this many times a straight in the open
+DETOUR = 2.5            # highest cost of a path near the ends, as a multiple of a free straight
 
 
 class NoWay(Exception):
@@ -205,9 +205,9 @@ class Planner:
 
     def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-        """Returns the vertices of long straights between turnable points of `raw`, and None.
+        """Joins turnable points of `raw` by long straights. Returns (their vertices, None).
 
-        If a place cannot be passed, returns instead the vertices before this place, and its cells.
+        If a place cannot be passed, returns (the vertices before it, the cells of the place).
         """
         clear = space.clearance_at(raw)
         last = len(raw) - 1

@@ -45,7 +45,8 @@ class Space:
                         ) -> np.ndarray:
         """Returns the least clearance (N,) on each straight from `starts` to `ends` (N, 2).
 
-        The clearance is examined at `fractions` of each straight. A single start or end serves all.
+        The clearance is examined at `fractions` of each straight. If there is only one start or
+        end, it belongs to all straights.
         """
         points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)

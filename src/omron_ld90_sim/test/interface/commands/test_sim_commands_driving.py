@@ -1,4 +1,4 @@
-"""Drives: from the dock, replaced, stopped, failed; and patrols."""
+"""Drives that start in the dock, are replaced, are stopped or fail; and patrols."""
 from __future__ import annotations
 
 import pytest

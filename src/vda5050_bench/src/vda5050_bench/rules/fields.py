@@ -49,9 +49,9 @@ def _refused_action(trial: Trial) -> Dict[str, Any]:
 
 @must('6.6.1', 'the pose that the vehicle tells is one that an order may begin with')
 def _echo(trial: Trial) -> None:
-    """Checks that the vehicle does not call an order with its own theta malformed.
+    """Sends an order with the theta that the vehicle reports.
 
-    The vehicle may reject the order for other reasons.
+    The vehicle must not call this order malformed; it may reject the order for other reasons.
     """
     _is_no_malformed_theta(trial, _pose(trial.master.state)['theta'])
 
@@ -108,7 +108,7 @@ def _has_heading(trial: Trial, track: Track, index: int, wanted: float) -> None:
 
 
 def _driven(trial: Trial, track: Track, index: int, fields: Dict[str, Any]) -> Optional[Message]:
-    """Drives an order with more fields in the position of a node.
+    """Drives an order after adding `fields` to the position of the node at `index`.
 
     Returns the state at the end of the order; None if the order is refused or fails.
     """

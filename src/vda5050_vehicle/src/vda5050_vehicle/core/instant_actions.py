@@ -123,7 +123,7 @@ class InstantActionHandler:
     def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
         """Returns whether an action with a known id only repeats the known action.
 
-        If there is a motion to stop, a stop is new even if it has the id of an ended stop.
+        A stop with the id of an ended stop is new if the vehicle does not obey such a stop now.
         """
         state, kind = self._state, action.action_type
         if known.belongs_to_order or known.action.action_type != kind:

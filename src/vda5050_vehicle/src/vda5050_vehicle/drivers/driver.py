@@ -50,9 +50,9 @@ class DriveProgress:
     """The memory of a driver: the robot's progress along the legs that it was sent.
 
     passed     -- number of legs of the order that the robot has driven
-    along      -- m that the robot has driven on the next leg
+    along      -- distance that the robot has driven on the next leg, m
     failure    -- the reason why the robot does not drive on; '' if there is none
-    rest_since -- s; reports from before this time do not show whether the robot stands
+    rest_since -- time, s; reports from before this time do not show whether the robot stands
     epoch      -- a number that changes when another program or person drives or stops the robot;
                   0: unknown
     stands     -- whether the robot's newest report says that it stands

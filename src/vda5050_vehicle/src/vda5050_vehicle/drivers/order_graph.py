@@ -105,8 +105,8 @@ class OrderGraph:
         No edge is needed if the robot stands at this start or on the first edge, or if the order
         begins with a leg without length (`first` is 0). Otherwise the result is the edge on which
         the robot stands.
-        passing  -- m within which a robot is at a vertex
-        corridor -- m within which a robot is on a curve
+        passing  -- distance within which a robot is at a vertex, m
+        corridor -- distance within which a robot is on a curve, m
         Raises NotDrivable if the robot stands on no edge that leads to the start.
         """
         if not first:

@@ -1,10 +1,10 @@
 """Drives an order as a series of poses, for robots with move_base and without a graph.
 
-The robot plans its own path between nodes. A node counts as passed within its deviation if it has
-no heading and is not the last node. The driver then sends the next pose, so that the robot does not
-stop. If something else has stopped or moved the robot after it obeyed the driver
-(`RobotSnapshot.halted`), the driver sends no next pose, because the robot may still brake when the
-pose arrives.
+The robot plans its own path between nodes. If a node has no heading and is not the last node, it
+counts as passed when the robot is within its deviation. The driver then sends the next pose, so
+that the robot does not stop. If something else has stopped or moved the robot after it obeyed the
+driver (`RobotSnapshot.halted`), the driver sends no next pose, because the robot may still brake
+when the pose arrives.
 """
 from __future__ import annotations
 
@@ -80,7 +80,8 @@ class PoseDriver(Driver[PoseDrive]):
         self._abilities = abilities
         self._matching = matching
         self._pose: Optional[RobotPose] = None
-        self._is_obeyed = self._is_halted = False  # since the last goal was sent
+        # whether the robot has obeyed the last goal, and was halted after that
+        self._is_obeyed = self._is_halted = False
 
     # --- planning ---------------------------------------------------------------------------------
 

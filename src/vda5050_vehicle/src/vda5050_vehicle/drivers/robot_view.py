@@ -30,8 +30,8 @@ class RobotSnapshot:
     rests    -- whether the poses have not changed for REST
     epoch    -- the robot's epoch; it changes when another program or person drives or stops the
                 robot; 0: unknown
-    halted   -- whether the last cause of the robot's motion or stop was not a drive but a stop, a
-                cancellation, another client or the robot itself; False if it is not reported
+    halted   -- whether a stop, a cancellation, another client or the robot itself last changed the
+                robot's motion, and not a drive; False if the robot does not report this
     lost     -- the reason why the robot counts as lost; '' while it reports, or while the time
                 limit has not expired
 

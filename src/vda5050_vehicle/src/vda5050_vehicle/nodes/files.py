@@ -26,7 +26,8 @@ class JournalLog:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._changes = MAX_JOURNAL  # bytes after the first line; each run begins a new journal
+        # bytes after the first line; begins at the limit, so that each run writes a new file
+        self._changes = MAX_JOURNAL
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:

@@ -170,7 +170,7 @@ class RobotWatch:
         with self._lock:
             last = self._heard.get('pose')
             if (self._still is None or has_moved(self._still.value, pose)
-                    or last is None or now - last.at > REST):  # it may have moved in between
+                    or last is None or now - last.at > REST):  # it may have moved during the pause
                 self._still = _Heard(pose, now)
         self._hear('pose', pose)
 

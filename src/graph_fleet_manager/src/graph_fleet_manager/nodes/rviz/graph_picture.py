@@ -39,7 +39,7 @@ _Z = 0.02
 class GraphTexts:
     """The boxes that the texts of other pictures avoid.
 
-    edges -- the edges, as soft boxes
+    edges -- the boxes of the edges; texts may cover them if there is no other place
     names -- the boxes of the vertices' ids, by vertex
     """
 

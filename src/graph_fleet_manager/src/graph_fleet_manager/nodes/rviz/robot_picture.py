@@ -33,15 +33,15 @@ DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
 LIFETIME = 3.0  # s after which RViz removes the markers, so that none remain when the node ends
 TEXT_HEIGHT = 0.42
 LONGEST_TEXT = 120  # characters
-MOVED_ALPHA = 0.5  # of the paint of a load while a step takes or gives the load
+MOVED_ALPHA = 0.5  # alpha of a load's paint while a step takes or gives the load
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
 #: States whose word needs no reason beside it.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
-WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
-ASK_LINES = 6  # lines if it waits for a person
+WAIT_WIDTH, WAIT_LINES = 24, 2  # size of the reason to wait: characters per line, lines
+ASK_LINES = 6  # lines of that reason if the robot waits for a person
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def words_of(robot: FleetRobot, now: float) -> str:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing, *load_words(robot)]
     if (robot.waits_for and robot.state not in _SAID
-            and robot.waits_for_code != WaitCode.RESUME_FLEET):  # the stop's frame shows that
+            and robot.waits_for_code != WaitCode.RESUME_FLEET):  # the frame shows the stop
         lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, placeholder=' ...',
                                max_lines=ASK_LINES if needs_person(robot) else WAIT_LINES)
     return '\n'.join(lines)

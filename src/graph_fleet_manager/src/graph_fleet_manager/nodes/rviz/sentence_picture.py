@@ -13,7 +13,7 @@ from trajectory_graph import Graph
 SHOWN_FOR = 8.0      # s
 TEXT_HEIGHT = 0.4
 LETTER = 0.5         # mean width of a letter, as a share of its height
-LINES = 3            # at most, so that the lines cover neither the graph nor the words of a stop
+LINES = 3            # the most lines; more would cover the graph or the words of a stop
 LEAST_WIDTH = 12.0   # m, above a narrow graph
 GAP = 0.7            # m to the buttons
 YELLOW = drawing.colour(1.0, 0.9, 0.4)

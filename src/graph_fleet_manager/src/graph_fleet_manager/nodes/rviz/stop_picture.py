@@ -16,7 +16,7 @@ from trajectory_graph import Graph
 MARGIN, WIDTH = 1.6, 0.16  # m, of the frame
 WORDS_ABOVE = 1.5          # m from the frame to the words; the buttons are below the words
 TEXT_HEIGHT = 0.6
-LINES = 4                  # of words, at most
+LINES = 4                  # the most lines of words
 LETTER = 0.6               # mean width of a letter, as a share of its height
 
 

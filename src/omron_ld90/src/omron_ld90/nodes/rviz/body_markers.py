@@ -15,7 +15,7 @@ from visualization_msgs.msg import Marker
 
 from rviz_drawing import drawing
 
-PLAIN = drawing.colour(0.6, 0.6, 0.6)  # for shapes without a material
+PLAIN = drawing.colour(0.6, 0.6, 0.6)  # colour of shapes without a material
 
 
 def body_markers(urdf: str) -> List[Marker]:

@@ -28,7 +28,7 @@ HANDLE_COLOURS = {
     TargetKind.DOCK: drawing.colour(0.2, 0.75, 0.85, 0.4),
 }
 HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
-STOP_SIZE, STOP_Z = 1.1, 0.6  # m: wide, because the robot moves
+STOP_SIZE, STOP_Z = 1.1, 0.6  # m; the handle is wide, because the robot moves
 STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.14)
 
 

@@ -19,7 +19,7 @@ from rviz_drawing.fast_messages import PointsMarker
 from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
-MAX_SAMPLES = 200  # of a curve
+MAX_SAMPLES = 200  # largest number of points of a drawn curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner lines vanish on a small screen
 GRAPH_HEAD, ROUTE_HEAD = 0.25, 0.4  # m, arrowheads

@@ -23,7 +23,7 @@ class CallQueue:
         self._thread.start()
 
     def add(self, call: Callable[[], object], optional: bool = False) -> None:
-        """Queues `call`. Drops an `optional` call if _MAXIMUM_OPTIONAL calls are waiting."""
+        """Queues `call`. Drops an `optional` call if too many calls are waiting."""
         if not optional or self._calls.qsize() < _MAXIMUM_OPTIONAL:
             self._calls.put(call)
 

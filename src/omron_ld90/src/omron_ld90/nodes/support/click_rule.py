@@ -11,7 +11,7 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, FleetRobot, FleetState
 from node_lifecycle import parameter
 from omron_ld90.operator.route_watch import RouteWatch
 
-SILENCE = 3.0  # s; after so long without /fleet_state, the robot counts as unmanaged
+SILENCE = 3.0  # s without /fleet_state after which the robot counts as unmanaged
 WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                            FleetRobot.OUT_OF_SERVICE))
 """States in which the fleet manager waits for a person to bring the robot back."""

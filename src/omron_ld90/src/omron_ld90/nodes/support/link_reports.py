@@ -124,7 +124,7 @@ class LinkReporter:
 
     @property
     def _is_beginning(self) -> bool:
-        """Whether the robot was never reached, but this node started less than PATIENCE s ago."""
+        """Whether the robot was never reached, but this node has just started (`PATIENCE`)."""
         return not self._connections and time.monotonic() - self._began < PATIENCE
 
     def report(self, link: Link) -> None:

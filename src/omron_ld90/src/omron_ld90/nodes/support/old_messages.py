@@ -15,7 +15,7 @@ LATCHED = ('It was published before this node started, or before its connection 
            'not carried out late: send it again.')
 WAITED = ('It waited while this node was suspended, and is not carried out late: send it '
           'again.')
-STANDSTILL = 2.5  # s; after so long without a call of `tick`, the process counts as suspended
+STANDSTILL = 2.5  # s without a call of `tick` after which the process counts as suspended
 WAITED_WITHIN = 1.0  # s after the suspension in which messages that have waited may arrive
 _MOST_PUBLISHERS = 1000
 

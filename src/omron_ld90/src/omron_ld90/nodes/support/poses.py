@@ -10,7 +10,7 @@ from node_lifecycle.headings import quaternion_from_yaw, yaw_from_quaternion
 from omron_ld90.units import metres, millimetres
 
 FARTHEST = metres(2 ** 31)  # m from the map's origin: ARCL and maps use 32 bits for mm
-UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
+UNIT_TOLERANCE = 0.01  # largest error of the squared length of a unit quaternion
 
 
 def is_plausible(pose: Pose) -> bool:

@@ -20,8 +20,8 @@ from omron_arcl.replies import (
 )
 from omron_ld90.operator.localizing import LOW_SCORE
 
-LOW_CHARGE = 25.0  # %; by default, the robot then drives to its dock by itself
-EMPTY_CHARGE = 10.0  # %; the robot itself then warns
+LOW_CHARGE = 25.0  # %; below this, the robot drives to its dock by itself, by default
+EMPTY_CHARGE = 10.0  # %; below this, the robot itself warns
 OLD = 10.0  # s after the last reply until /diagnostics reports that none comes
 
 

@@ -140,7 +140,7 @@ def _change(call: CommandCall, changes: List[Change]) -> None:
         return
     for change in (change for change in changes if change[:2] != MAP):
         call.server.configuration.set(*change)
-    if changes:         # also after `Map changed`: published clients wait for this line
+    if changes:         # also after `Map changed`: public client programs wait for it
         call.server.broadcast('Configuration changed')
     call.reply('Config parsed fine')
 

@@ -24,7 +24,7 @@ def check_drivable(call: CommandCall) -> None:
 
 
 def find_goal(call: CommandCall, name: str) -> MapObject:
-    """Returns the goal with that name, in any case."""
+    """Returns the goal with that name, ignoring case."""
     goal = task.find_goal(call.robot.document, name)
     if goal is None:
         raise CommandFailed(f"No goal '{name}'")

@@ -36,7 +36,7 @@ INFOS: Dict[str, Callable[[SimRobot], object]] = {
 
 
 def location(robot: SimRobot) -> str:
-    """Returns the Location line: whole mm, mm, degrees."""
+    """Returns the Location line: x, y (mm) and heading (degrees) as whole numbers."""
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
     return f'Location: {x} {y} {theta}'
 
