@@ -249,6 +249,19 @@ def test_a_docked_robot_that_says_so_again_has_not_carried_out_the_drives_to_com
     assert (goto.result, dock.result) == (None, None)
 
 
+def test_a_robot_that_docks_for_another_client_and_says_so_again_has_not_read_our_dock(bench):
+    bench.status(DOCKING)
+    bench.status(DOCKING)
+    dock = bench.drive(ROUTE, 'dock')
+    bench.robot(DOCKING.replace('Not', 'Bulk'), UNDOCKED, 'Interrupted: Going to dock at Dock',
+                UNDOCKED)
+    assert dock.result is None, 'the drive of the other client was interrupted'
+    bench.robot(DOCKING)
+    assert bench.memory.giver == ROUTE
+    bench.robot(DOCKED)
+    assert outcome(dock) is Outcome.SUCCEEDED
+
+
 def test_a_drive_that_was_stopped_in_the_dock_is_not_still_to_be_answered(bench):
     bench.status(DOCKED)
     drive = bench.drive(ROUTE, number=7)

@@ -325,8 +325,11 @@ def _next(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot may acknowledge or complete now, the oldest first.
 
     The first drive about which the robot has said nothing comes next. A later drive is returned
-    only if the robot's lines name its goal, route or task.
+    only if the robot's lines name its goal, route or task. If the robot docks for another client
+    and only repeats this, it has not answered any of our drives.
     """
+    if commands.records.heard.repeats and commands.records.drives_for_others:
+        return []
     first = _first_unanswered(commands)
     return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)
             and (e.order <= first or _is_named(e))]

@@ -67,6 +67,8 @@ class RobotWords:
         """Whether the robot broke off a motion, and has not said yet what it does instead."""
         self.sets_out = False
         """Whether the last line begins a motion."""
+        self.repeats = False
+        """Whether the last line shows a docking state that the robot has shown before."""
         self.powered: Optional[bool] = None
         """Whether the motors are on; None: the robot has not said whether they are."""
         self.unheard_stops = 0
@@ -99,6 +101,7 @@ class RobotWords:
     def said(self, reply: Reply) -> None:
         """Notes that the robot sent a line that is not a status."""
         self.moved, self.sets_out = self.moves, isinstance(reply, _SETTING_OUT)
+        self.repeats = False
         if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
         elif isinstance(reply, replies.Stopped):
@@ -193,6 +196,8 @@ class RobotWords:
         Only a change is an event: the robot also sends the state as an answer to a query.
         """
         before, self._docking = self._docking, reply.docking
+        kind = activity_of(reply).kind
+        self.repeats = self.activity is not None and self.activity.kind is kind
         if before is reply.docking:
             return
         self.sets_out = reply.docking is replies.DockingState.DOCKING and before is not None

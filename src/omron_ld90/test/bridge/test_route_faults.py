@@ -163,6 +163,23 @@ def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
     assert bench.follower.report().reason.text == reason
     assert 'goto 7' not in bench.commands[len(given):]
 
+@pytest.mark.parametrize('why, reason', [
+    (EpochCause.EMERGENCY_STOP, 'emergency stop'), (EpochCause.OTHER_CLIENT, 'taken over')])
+def test_an_order_that_waits_to_hear_why_a_drive_was_broken_off_is_not_driven(why, reason):
+    """Its giver did not know yet that another client, or the emergency stop, ended the route."""
+    bench = under_way()
+    end_of_drive(bench, Outcome.INTERRUPTED, 'Interrupted: Going to 7')
+    bench.robot.halt(ActivityKind.STOPPED)
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, is_unexplained=True))
+    given = len(bench.commands)
+    bench.order(8, 4, 5)
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, cause=why))
+    bench.drive(1.0)
+    assert bench.follower.report().reason.text == reason
+    assert not {'goto 7', 'goto 6'}.intersection(bench.commands[given:])
+
 def test_what_another_client_of_the_robot_does_ends_the_route():
     bench = under_way()
     given = list(bench.commands)

@@ -370,8 +370,15 @@ class RouteFollower:
                 and not self.robot.must_stop and not self.robot.stop_problem)
 
     def _drive_on(self, now: float) -> None:
-        """Checks the known state, and continues the route."""
+        """Checks the known state, and continues the route.
+
+        If another giver has acted, the route ends before a waiting order is taken: its master did
+        not know of this giver.
+        """
         self._end_epoch(now)
+        if self.robot.overruled is not None:
+            self._restored = None
+            self.robot.check_giver()
         self._consider_restored(now)
         self.orders.answer(now)
         driven = self._driven
@@ -394,9 +401,6 @@ class RouteFollower:
         if self._restored is None:
             return
         record, give_up = self._restored
-        if self.running and self.robot.overruled is not None:  # a giver has ended the route
-            self._restored = None
-            self.robot.check_giver()
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
         if unknown and now <= give_up:
             return
