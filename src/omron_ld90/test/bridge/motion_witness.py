@@ -35,15 +35,27 @@ GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links
 
 @dataclass(eq=False)
 class Word:
-    """A command that the controller took, or noticed from another client (`giver` None)."""
+    """A command that the controller took, or noticed from another client (`giver` None).
+
+    Successive drives of one giver are one word.
+
+    commands -- number of these commands that the robot has not refused
+    """
 
     giver: Optional[Giver]
     drives: bool
     is_refused: bool = False
+    commands: int = 1
 
     def refuse(self) -> None:
         """Notes that the robot refuses the command, so that it changes nothing."""
         self.drives, self.is_refused = False, True
+
+    def refuse_one(self) -> None:
+        """Notes that the robot refuses one of the commands."""
+        self.commands -= 1
+        if not self.commands:
+            self.refuse()
 
     def is_drive_of(self, giver: Giver) -> bool:
         """Returns whether the command is a drive of this giver."""
@@ -67,17 +79,18 @@ class WitnessedController(ModelledController):
     def give(self, command: str, giver: Giver, known_epoch: int,
              on_end: Callable[[Result], None], number: int = 0) -> Execution:
         """Gives the command as the base class does, and reports it."""
-        before = word = self.newest_word()
-        self.drove = self.motion.memory.drives
+        before = word = self.last_word()
+        commands, self.drove = word.commands, self.motion.memory.drives
 
         def end(result: Result) -> None:
-            if result.outcome in REFUSED_OUTCOMES and word is not before:
-                word.refuse()
+            if result.outcome in REFUSED_OUTCOMES and is_counted:
+                word.refuse_one()
             self.on_answered(command, now, result)
             on_end(result)
-        now = self._timeline.now
+        now, is_counted = self._timeline.now, False
         execution = super().give(command, giver, known_epoch, end, number)
-        word = self.newest_word()
+        word = self.last_word()
+        is_counted = word is not before or word.commands != commands
         self.given.append(execution)
         self.on_given(command, giver, known_epoch)
         return execution
@@ -88,7 +101,7 @@ class WitnessedController(ModelledController):
             self.on_stop_sent()
         super().transmit(line)
 
-    newest_word: Callable[[], Word]
+    last_word: Callable[[], Word]
     on_stop_sent: Callable[[], None]
     drove = False  # whether a drive, not a stop, was in force when the last command was given
 
@@ -192,7 +205,7 @@ class Witness(DelayedDrive):
         """Makes a controller that the witness watches."""
         controller = WitnessedController(self._time, delays, self._reach_robot, self._on_motion)
         controller.on_taken, controller.on_given = self._on_taken, self._on_given
-        controller.newest_word = lambda: self._newest_word
+        controller.last_word = lambda: self._last_word() or NO_WORD
         controller.on_stop_sent = lambda: self._stops_sent.append(self._newest_word)
         controller.given, controller.on_answered = self._given, self._judge_answer
         return controller
@@ -237,7 +250,9 @@ class Witness(DelayedDrive):
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
         last = self._last_word()
-        if not (drives and last and last.is_drive_of(giver)):  # successive drives are one `Word`
+        if drives and last and last.is_drive_of(giver):
+            last.commands += 1
+        else:
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 

@@ -260,3 +260,13 @@ def test_a_robot_that_refuses_a_drive_of_ours_goes_on_for_the_other_client():
     robots.passes(20.0)
     assert robots.world.robot.status == 'Arrived at 4'
     assert not robots.world.broken
+
+
+@pytest.mark.parametrize(('commands', 'drives'), [
+    (['goto 99', 'goto 3'], True), (['goto 3', 'goto 99'], True), (['goto 99', 'goto 98'], False)])
+def test_of_two_drives_of_one_giver_the_robot_may_refuse_one(commands, drives):
+    world = Witness('rolling', Delays(to_robot=0.2), dialect='missing dock undock')
+    for command in commands:
+        world._controller.give(command, PERSON, 0, lambda result: None)
+    world.run(4.0)
+    assert [word.drives for word in world.words] == [drives]
