@@ -1,4 +1,4 @@
-"""Runs a proof whole if a file that it reads has changed since it passed, or with --long.
+"""Decides how far a proof searches: whole if a file that it reads has changed, or with --long.
 
 A proof is a file of tests that searches all states of code without I/O, or a great number of random
 sequences. A whole search takes long. So the file chooses the bounds of its searches with
@@ -10,7 +10,7 @@ sequences. A whole search takes long. So the file chooses the bounds of its sear
 The result of `is_whole` depends only on the contents of the file, of all files of the workspace
 that it imports, directly or not, and of the `conftest.py` above it. When all tests of the file have
 passed, `RECORD` keeps the hash of these contents. If the hash differs from the recorded hash, the
-search is whole. A new clone has no record, so its first run searches to the default bounds.
+search is whole. A new clone has no recorded hash: in its first run the searches are not whole.
 The root's conftest.py loads this module as a plugin of pytest.
 """
 from __future__ import annotations

@@ -65,7 +65,7 @@ def latency() -> Iterator[Row]:
             found[kind].append(1e3 * (first - begun))
         program.close()
     jobs, floor = sorted(found['job'][2:]), sorted(found['mission'])
-    yield Row('line of a job to the first byte of a motion command, one LD-90',
+    yield Row('from the line of a job to the first byte of a motion command, one LD-90',
               f'p50 {statistics.median(jobs):.0f} ms, at most {jobs[-1]:.0f} ms of {len(jobs)}',
               f'p50 {statistics.median(floor):.0f} ms, at most {floor[-1]:.0f} ms of {len(floor)}: '
               'from `/mission_request`', 'p50 < 20 ms')

@@ -153,7 +153,7 @@ def headline() -> Iterator[Row]:
     seconds, floor = (statistics.median(run[0] for run in found) * SPEED
                       for found in (runs, floors))
     yield Row(f'mission {" ".join(map(str, MISSION))} from the dock, {len(edges)} edges; the robot '
-              f'{SPEED:.0f} times as fast, so that every delay of ours counts so many times',
+              f'drives {SPEED:.0f} times as fast, so each delay of ours counts {SPEED:.0f} times',
               f'{seconds:.1f} s of the robot: {100 * (seconds / floor - 1):+.1f} %',
               f'{floor:.1f} s, the same edges sent by hand at once', '< 2 %')
 
@@ -199,7 +199,8 @@ def step() -> Iterator[Row]:
                              parameters=[StepParameter('output', 'Output_1')])
             states.wait_for(partial(is_done, key), 20, f'step {key} done')
             found.append(1e3 * (min(one for one in robot.tap.outputs if one > begun) - begun))
-    yield Row(f'`step_command` to the first byte of the robot\'s command, one LD-90, {STEPS} steps',
+    yield Row(f'from `step_command` to the first byte of the robot\'s command, one LD-90, '
+              f'{STEPS} steps',
               p50_and_p99(found[2:]), f'{p50_and_p99(floor)}: a bare hop to a byte', 'p50 < 15 ms')
 
 

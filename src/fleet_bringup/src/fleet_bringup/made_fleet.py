@@ -10,7 +10,8 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: By type: m of route released ahead of a robot, to drive until the next order comes, and to brake.
+#: For each type of robot: length (m) of the route that is released ahead of it. This is enough to
+#: drive until the next order comes, and then to brake.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 

@@ -638,7 +638,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
         Row('our stop', _HALTS, _stops_for_us, StopOf.US,
             'p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`'),
         Row('undocked', _HALTS, _stops_by_itself(SelfStop.UNDOCKED), StopOf.ROBOT,
-            'p. 245: the pair ends undocking, possibly after the result'),
+            'p. 245: `Stopping`, `Stopped` end undocking, possibly after the result'),
         Row('motors enabled', _HALTS, _stops_by_itself(SelfStop.MOTORS_ENABLED), StopOf.ROBOT,
             'p. 190: the pair follows `Motors enabled`'),
         Row('cleared fault', _HALTS, _stops_by_itself(SelfStop.FAULT_CLEARED),

@@ -184,7 +184,7 @@ class DriveMemory:
     last command of each giver.
 
     foreign_epoch -- the foreign epoch of givers that have no last command; see `LastCommand`. It is
-        the newest epoch that did not begin by a mere start of the controller
+        the newest epoch that began for another reason than a start of the controller
     """
 
     epoch: int

@@ -124,8 +124,8 @@ Trace = Callable[[str, bytes], None]
 class Session:
     """The client's end of one connection. If `password` is None, the connection has no login.
 
-    `lines_read` counts the received lines, because only a complete line is a sign of life. The
-    other attributes are mainly the state of the login.
+    `lines_read` is the number of complete lines received. Only a complete line is a sign of life of
+    the robot. The other attributes are mainly the state of the login.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,

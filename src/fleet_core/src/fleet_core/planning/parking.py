@@ -80,7 +80,8 @@ class WellFormedSets:
         if core is None:
             return False
         # To the core and back, each robot may use only places that no other parked robot blocks.
-        # The nodes are all vertices, followed by one node for each robot that stands for the core.
+        # The nodes are all vertices, followed by one node for each robot: the core, as the robot
+        # may use it.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)

@@ -140,9 +140,9 @@ class DeviceMachine:
     read_at     -- when that exchange began
     output      -- the output in the last reading; None: it must be set again
     settled     -- the last reading: True: open, False: closed, None: neither
-    alike       -- number of the newest readings that have this value and count; at most STEADY
-    stage_from  -- number of exchanges that had begun when the stage began; the readings of these
-                   exchanges do not count
+    alike       -- how many of the newest readings have the value `settled`; at most STEADY.
+                   Readings of exchanges before the stage are left out
+    stage_from  -- number of exchanges that had begun when the stage began
     moving_from -- since when the device is not as it must be
     mode, since -- the mode that the device shows, and since when
     problem     -- why the last exchange had no reading; empty: it had one

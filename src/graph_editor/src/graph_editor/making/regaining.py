@@ -12,7 +12,9 @@ from graph_editor.site import NamedPlace
 
 def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, NamedPlace], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> LaneNet:
-    """Adds the places behind gaps to which lanes can lead after all. Returns the new net.
+    """Adds places that lanes can reach after all, although gaps lie before them.
+
+    Returns the new net.
 
     The nodes of these places are added to `places`. Each place is tried on a copy of the net. A
     place is not added if that would cause another gap.

@@ -28,7 +28,7 @@ CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at t
 class _Corner(NamedTuple):
     """A corner that can replace a slant."""
 
-    way: float  # m; length of the path between the ends of the slant through the corner
+    way: float  # m; length of the path through the corner, from one end of the slant to the other
     position: np.ndarray
     slant: Lane
     split: Optional[Lane]  # the lane on which the corner is

@@ -71,7 +71,7 @@ class MoveBaseServer(CommandActions):
                                     MoveBaseFeedback(base_position=pose)), optional=True)
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:
-        """Makes a goal of the action from a pose that `giver` sent by a topic."""
+        """Sends the pose that `giver` published on a topic to the action, as a goal."""
         goal = MoveBaseActionGoal()
         goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
         with self._lock:

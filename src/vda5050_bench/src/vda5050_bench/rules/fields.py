@@ -96,7 +96,8 @@ def _deviation(trial: Trial) -> None:
     if state:
         pose, stop = _pose(state), track.stops[1]
         off = math.hypot(pose['x'] - stop.x, pose['y'] - stop.y)
-        expect(off <= POINT, f'allowedDeviationXY {POINT:g} is accepted; it stands {off:.3f} m off')
+        expect(off <= POINT, f'allowedDeviationXY {POINT:g} is accepted, but the vehicle stands '
+                             f'{off:.3f} m from the node')
 
 
 def _has_heading(trial: Trial, track: Track, index: int, wanted: float) -> None:
