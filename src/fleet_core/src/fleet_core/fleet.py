@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
 DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
-# m: a robot farther from a vertex than this never counts as standing on it, whatever its play
+# m: a robot farther from a vertex than this does not count as standing on it, even if it has play
 NEAR = 0.3
 # m from a vertex within which a robot without play counts as standing on it
 AT_VERTEX = 0.02
