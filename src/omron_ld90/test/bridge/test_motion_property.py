@@ -220,6 +220,18 @@ class Robots(RuleBasedStateMachine):
         # A command that comes sooner could not be told apart from these commands.
         self.world.run(3.0)
 
+    @precondition(lambda self: self.world.is_well and not self.world._controller.is_stalled)
+    @rule(turn=st.integers(0, 3), command=st.sampled_from(COMMANDS))
+    def order_comes_before_the_robot_has_said_why_it_broke_off(
+            self, turn: int, command: str) -> None:
+        """Lets another client break off a route. An order comes before the lines that say why."""
+        self.order(turn, 2, True)
+        self.world.run(1.5)
+        self.another_client_is_heard_in_parts(command, 2.0)
+        self.world.run(0.3)
+        self.order(turn, 2, True)
+        self.world.run(3.0)
+
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
     @rule(link=st.sampled_from(list(p.RobotLink)))
     def route_fails_without_a_controller(self, link: p.RobotLink) -> None:

@@ -25,6 +25,7 @@ from omron_arcl.execution import NO_GIVER, Execution, Outcome
 from omron_arcl.records import DriveMemory, MotionCause, RecordKind
 from omron_ld90.bridge.events import MotionTold, RobotLink
 from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.route_follower import RouteFollower
 from route_protocol.values import EpochCause
 
 Call = Tuple[Any, ...]  # a rule, and its arguments
@@ -35,8 +36,8 @@ SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, data
 _BEGIN, _ON_LINK, _CONNECT, _JUDGE = (
     Drives._begin_epoch, Drives.linked, ModelledController.connect,
     RobotMonitor._judge_foreign_epoch)
-_ENDED, _CHECK, _STOP, _OBEYED = (
-    Drives.ended, Drives.check, RobotMonitor.stop, CommandQueue.begin)
+_ENDED, _CHECK, _STOP, _OBEYED, _DRIVE_ON = (
+    Drives.ended, Drives.check, RobotMonitor.stop, CommandQueue.begin, RouteFollower._drive_on)
 
 
 def _no_epoch_for(cause: MotionCause) -> Callable[..., None]:
@@ -99,6 +100,11 @@ def _own_epochs_hide_others(self: Any, known: int, event: MotionTold) -> None:
     self.foreign_epoch = event.foreign_epoch or event.epoch
 
 
+def _orders_come_first(self: Any, now: float) -> None:
+    self.orders.answer(now)
+    _DRIVE_ON(self, now)
+
+
 def _whatever_is_shown_is_ours(self: Any, activity: Any, text: str) -> None:
     self._unseen = False
 
@@ -141,6 +147,8 @@ FAULTS = {
         Drives, '_may_be_several', lambda *_: False),
     'an own epoch hides those of others before it': (
         RobotMonitor, '_judge_foreign_epoch', _own_epochs_hide_others),
+    'an order that waits is taken before the route ends': (
+        RouteFollower, '_drive_on', _orders_come_first),
 }
 
 
@@ -189,6 +197,8 @@ SCENES: Dict[str, Tuple[Call, ...]] = {
         ('robot_leaves_its_dock_for_a_cancelled_drive', 0.3), ('passes', 4.0)),
     'an own epoch hides those of others before it': (
         ('epoch_of_others_is_replaced_by_one_of_the_bridge', ('person_stops',)),),
+    'an order that waits is taken before the route ends': (
+        ('order_comes_before_the_robot_has_said_why_it_broke_off', 0, 'stop'),),
 }
 assert set(SCENES) == set(FAULTS)
 
