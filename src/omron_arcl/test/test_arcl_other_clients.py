@@ -249,6 +249,19 @@ def test_a_docked_robot_that_says_so_again_has_not_carried_out_the_drives_to_com
     assert (goto.result, dock.result) == (None, None)
 
 
+def test_a_drive_that_others_complete_is_not_ours_to_the_same_goal_before_a_stop(bench):
+    bench.status('Going to 3')
+    bench.status('Going to 3')
+    first, second = bench.drive(ROUTE, 'goto 2'), bench.drive(PERSON, 'goto 3')
+    bench.stop(PERSON)
+    bench.robot('Arrived at 3')
+    assert (first.result, second.result) == (None, None), 'the robot has not read our drives'
+    bench.robot('Going to 2', 'Interrupted: Going to 2', 'Going to 3', 'Interrupted: Going to 3',
+                'Stopping', 'Stopped')
+    assert (outcome(first), outcome(second)) == (Outcome.INTERRUPTED, Outcome.INTERRUPTED)
+    assert not bench.memory.stop_owed
+
+
 def test_a_robot_that_docks_for_another_client_and_says_so_again_has_not_read_our_dock(bench):
     bench.status(DOCKING)
     bench.status(DOCKING)

@@ -711,11 +711,13 @@ class Drives:
 
     @property
     def drives_for_others(self) -> bool:
-        """Whether the robot carries out, and has not broken off, a drive that is not ours."""
-        ruling = self._memory.ruling
+        """Whether the robot carries out, and has not broken off, a drive that is not ours.
+
+        The robot carries it out until it has read our later drives and stops.
+        """
+        newest = next((r for r in reversed(self._records) if not (r.pending or r.owed)), _NOTHING)
         heard, others = self.heard, RecordKind.FOREIGN_DRIVE
-        return (ruling is not None and ruling.kind is others and (heard.moves or heard.moved)
-                and not heard.broke_off)
+        return newest.kind is others and (heard.moves or heard.moved) and not heard.broke_off
 
     @property
     def is_about_the_dock(self) -> bool:
