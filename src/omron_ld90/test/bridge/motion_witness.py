@@ -136,7 +136,7 @@ class Witness(DelayedDrive):
         # number of these drives that reached the robot or were lost
         self._arrived: Counter[str] = Counter()
         self._is_number = 0  # a person's last drive: its number among drives with its text
-        self.given_at = -100.0
+        self._taken_at: List[float] = [-100.0]  # when the controller took drives and stops
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
@@ -254,7 +254,8 @@ class Witness(DelayedDrive):
             last.commands += 1
         else:
             self.words.append(Word(giver, drives))
-        self.given_at, self.drives = self.now, self.drives + drives
+        self._taken_at.append(self.now)
+        self.drives += drives
 
     def _judge_stop(self, giver: Giver, known: Word) -> None:
         """Checks that no stop ends an acknowledged drive that the giver of the stop does not know.
@@ -528,12 +529,12 @@ class Witness(DelayedDrive):
             arrives(seconds, self._hear_motors)
         if line.startswith('Status'):
             arrives(seconds, self._hear_status)
-        stopped = self._stopped
+        stopped, said = self._stopped, self.now
         if line == 'EStop pressed' or self.foreign and line.startswith('Going to'):
-            arrives(seconds, lambda: self._heard(line, stopped),
-                    lambda: self._is_shown(line) and self._heard(line, stopped))
+            arrives(seconds, lambda: self._heard(line, stopped, said),
+                    lambda: self._is_shown(line) and self._heard(line, stopped, said))
         elif self.foreign and line == 'Stopping':
-            arrives(seconds, lambda: self._heard(line, stopped))
+            arrives(seconds, lambda: self._heard(line, stopped, said))
         elif self.foreign and line.startswith('Interrupted: '):
             drive = self._obeyed
             arrives(seconds, lambda: self._heard_broken_off(line, drive))
@@ -577,16 +578,18 @@ class Witness(DelayedDrive):
         """
         return self.robot.status.split()[-1] in self._controller.motion.memory.names
 
-    def _heard(self, line: str, stopped: Word) -> None:
+    def _heard(self, line: str, stopped: Word, said: float) -> None:
         """Notes another client's command, unless a command of ours has the same effect now.
 
         stopped -- value of `self._stopped` when the robot took the other client's command. All
             later stops of ours come after this command.
+        said -- when the robot said the line; it may be heard much later
         """
         memory, state, _ = self._controller.motion
         if line == 'Stopping':
-            is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
-                        and state is not MotionState.STOPPING)
+            crosses = any(abs(one - said) <= AT_ONCE for one in self._taken_at)
+            is_clear = (not crosses and state is not MotionState.STOPPING
+                        and self.now > max(self._taken_at[-1] + AT_ONCE, self._powered_at + LATE))
         elif line == 'EStop pressed':
             is_clear = True
         else:

@@ -270,3 +270,13 @@ def test_of_two_drives_of_one_giver_the_robot_may_refuse_one(commands, drives):
         world._controller.give(command, PERSON, 0, lambda result: None)
     world.run(4.0)
     assert [word.drives for word in world.words] == [drives]
+
+
+def test_another_clients_stop_that_crosses_a_drive_of_ours_is_not_heard_also_after_a_stall():
+    """The robot's words are those of a robot that stops for an instant to replace a drive."""
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'interrupted name', Delays(to_robot=0.2))
+    robots.program_drives('/joystick', '3', 1.0)  # arrives when the other client stops the robot
+    for program in ('/joystick', '/adapter'):
+        robots.program_drives_before_the_robot_has_said_why_it_broke_off(program, '3', 'stop')
+    assert not robots.world.broken
