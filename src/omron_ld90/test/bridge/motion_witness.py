@@ -600,8 +600,8 @@ class Witness(DelayedDrive):
                 return
             self.words.append(word)
             # a drive of ours that is on its way reaches the robot after the other client's drive
-            self.words += [Word(record.giver, True) for record in memory.records[-1:]
-                           if record.pending and word.drives]
+            pending = [record for record in memory.records if record.pending]
+            self.words += [Word(record.giver, True) for record in pending[-1:] if word.drives]
 
     def _is_shown(self, line: str) -> bool:
         """Returns whether the next status shows what a lost line said. This is not so if the robot

@@ -280,3 +280,13 @@ def test_another_clients_stop_that_crosses_a_drive_of_ours_is_not_heard_also_aft
     for program in ('/joystick', '/adapter'):
         robots.program_drives_before_the_robot_has_said_why_it_broke_off(program, '3', 'stop')
     assert not robots.world.broken
+
+
+def test_a_drive_of_ours_that_is_on_its_way_stands_behind_each_foreign_drive_before_it():
+    world = _world()
+    for _ in range(2):
+        world.another_client('goto 3')
+    world._controller.give('goto 6', PERSON, 0, lambda result: None)
+    world.run(4.0)
+    assert _givers(world)[-1] == PERSON
+    assert world.robot.status in ('Going to 6', 'Arrived at 6')
