@@ -17,8 +17,8 @@ from fleet_page.door.process import DoorProcess, DoorSettings
 
 
 def stop(person: str) -> ActOutcome:
-    """Stops no robot. The answer says which process was asked."""
-    return ActOutcome(True, f'stopped in process {os.getpid()}')
+    """Stops no robot. The outcome says which process was asked."""
+    return ActOutcome(True, f'stopped in process {os.getpid()}, whose arguments are none of a node')
 
 
 def main(descriptors: int, settings: DoorSettings) -> None:

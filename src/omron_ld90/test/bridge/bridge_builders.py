@@ -7,6 +7,7 @@ from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_arcl import ActivityKind, Outcome
+from omron_arcl.drives import REFUSED
 from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
@@ -21,8 +22,7 @@ NANOSECONDS = 1_000_000_000
 
 # maps each outcome to the outcome that the bridge gets in a message
 ENDINGS = {**{outcome: outcome for outcome in Outcome}, **dict.fromkeys(
-    (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.TIMED_OUT),
-    Outcome.FAILED)}
+    (*REFUSED, Outcome.TIMED_OUT), Outcome.FAILED)}
 
 
 def told_of(motion: RobotMotion) -> p.MotionTold:

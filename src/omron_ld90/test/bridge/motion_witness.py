@@ -11,7 +11,7 @@ from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
-from omron_arcl.drives import LOOK, RETRY
+from omron_arcl.drives import LOOK, REFUSED, RETRY
 from omron_arcl.execution import NO_GIVER
 from omron_arcl.records import (
     CommandFate,
@@ -63,8 +63,7 @@ class Word:
 
 
 NO_WORD = Word(None, False)  # stands before the first command
-REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
-                    Outcome.EMERGENCY_STOPPED)
+REFUSED_OUTCOMES = (*REFUSED, Outcome.EMERGENCY_STOPPED)
 # After one of these outcomes of a drive, the robot may still carry the drive out.
 OPEN_OUTCOMES = (Outcome.LOST, Outcome.TIMED_OUT)
 
