@@ -13,6 +13,6 @@ virtual_environment coverage /usr/bin/python3 --system-site-packages || die "pyt
 jobs="${TEST_JOBS:-$(nproc)}"
 export ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home" COVERAGE_FILE="$root/build/coverage/data"
 sources=()
-for package in src/*/src/*/__init__.py; do sources+=("--cov=$(basename "$(dirname "$package")")"); done
+for folder in src/*/src; do sources+=("--cov=$folder"); done
 exec build/coverage/bin/python -m pytest -q -o cache_dir="$root/build/coverage/cache" -n "$jobs" --dist loadfile src \
   "${sources[@]}" --cov-branch --cov-report=html:build/coverage/html --cov-report=term --cov-fail-under="$floor" "$@"
