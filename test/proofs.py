@@ -181,5 +181,5 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 
 def _told() -> str:
     whole = [proof.is_whole for proof in _proofs.values()]
-    return (f'{sum(whole)} proofs ran whole; {whole.count(False)} were not repeated whole, because '
-            'nothing that they prove has changed since this workspace was tested')
+    return (f'{sum(whole)} proofs ran whole; {whole.count(False)} ran within their default bounds: '
+            'they have not changed since their last success here, or this was their first run here')

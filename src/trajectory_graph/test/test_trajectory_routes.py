@@ -6,7 +6,17 @@ from graph_builders import dissertation_graph
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trajectory_graph import DiscontinuousRoute, UnknownEdge, check_route, route_vertices
+from trajectory_graph import (
+    DiscontinuousRoute,
+    Edge,
+    ForbiddenDirection,
+    Graph,
+    UnknownEdge,
+    Vertex,
+    check_drivable,
+    check_route,
+    route_vertices,
+)
 
 
 def test_the_dissertations_example():
@@ -31,6 +41,18 @@ def test_a_gap_names_both_edges():
 def test_an_unknown_edge_is_named_before_any_gap():
     with pytest.raises(UnknownEdge, match='no edge -77'):
         check_route(dissertation_graph(), [1, 5, -77])
+
+
+def test_an_edge_may_be_driven_only_in_a_direction_that_has_a_speed():
+    places = [Vertex(id, float(id), 0.0, 0.0) for id in (1, 2, 3)]
+    sections = [Edge(51, 1, 2, velocity_forward=0.8, section_of=5),
+                Edge(52, 2, 3, velocity_forward=0.8, section_of=5)]
+    graph = Graph(places, sections)
+    check_drivable(graph, [51, 52])
+    check_route(graph, [51, 52, -52])
+    with pytest.raises(ForbiddenDirection, match='forbids to drive edge -5: ') as caught:
+        check_drivable(graph, [51, 52, -52, -51])
+    assert caught.value.id == -52
 
 
 @st.composite

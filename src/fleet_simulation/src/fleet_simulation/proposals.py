@@ -9,7 +9,7 @@ import math
 from dataclasses import replace
 from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
 
-from trajectory_graph import Edge, Graph, TrajectoryGraphError, Vertex, split_edges
+from trajectory_graph import Edge, Graph, TrajectoryGraphError, Vertex, speed_of, split_edges
 from trajectory_graph.drawn_names import edge_name, place_name, vertex_name
 from trajectory_graph.editing import Draft
 from trajectory_graph.graph import CurveType
@@ -117,10 +117,8 @@ def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
     while ahead:
         vertex = ahead.pop()
         for signed in graph.edges_from(vertex):
-            edge = graph.edge(signed)
-            speed = edge.velocity_forward if signed > 0 else edge.velocity_backwards
             after = graph.end_vertex(signed).id
-            if edge.id != changed.id and speed > 0.0 and after not in seen:
+            if abs(signed) != changed.id and speed_of(graph, signed) > 0.0 and after not in seen:
                 seen.add(after)
                 ahead.append(after)
     return end in seen

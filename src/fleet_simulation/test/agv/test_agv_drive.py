@@ -126,9 +126,3 @@ def test_it_knows_where_it_can_stop_no_more() -> None:
         drive.advance(STEP)
     assert not drive.can_follow((1,), 0, drive.arc)
     assert drive.can_follow((1, 2), 0, drive.arc)
-
-
-def test_an_edge_of_speed_0_is_not_driven() -> None:
-    graph = graph_of({1: (0, 0), 2: (3, 0)}, {1: (1, 2)}, one_way=(1,))
-    speeds = SpeedLimits(graph, LIMITS)
-    assert (speeds.may_drive(1), speeds.may_drive(-1)) == (True, False)

@@ -29,7 +29,7 @@ from route_protocol.values import (
     SymbolicPose,
     VehicleLocation,
 )
-from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph import Graph, TrajectoryGraphError, check_drivable
 
 LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
@@ -280,7 +280,7 @@ class Agv:
             self.refusing -= 1
             return Reason(ReasonCode.OTHER, 'the test makes the robot refuse')
         try:
-            check_route(self.graph, edges)
+            check_drivable(self.graph, edges)
         except TrajectoryGraphError as error:
             return Reason(ReasonCode.WRONG_ROUTE, str(error))
         return NO_REASON

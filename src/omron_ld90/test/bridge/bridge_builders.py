@@ -50,7 +50,8 @@ def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, 
     ends -- {id of an edge: (origin, destination)}
     """
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
-                 [Edge(id, *pair) for id, pair in ends.items()])
+                 [Edge(id, *pair, velocity_forward=1.0, velocity_backwards=1.0)
+                  for id, pair in ends.items()])
 
 
 def yard() -> Graph:

@@ -1,6 +1,8 @@
 """Orders: accepted, changed, refused or ignored."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
@@ -15,6 +17,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
 )
+from trajectory_graph import Graph
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:
@@ -201,6 +204,20 @@ def test_a_route_that_cannot_be_driven_is_refused(edges, reason):
     assert set(report.states) == {EdgeState.FAILED}
     assert reason in report.reason.text == refusal.reason.text
     assert bench.commands == []
+
+
+def test_a_route_against_a_one_way_edge_is_refused():
+    two_way = graph_of({1: (0, 0), 2: (4, 0)}, {1: (1, 2)})
+    bench = Bench(Graph(two_way.vertices.values(),
+                        [replace(two_way.edges[1], velocity_backwards=0.0)]), 1)
+    bench.order(7, 1)
+    bench.run()
+    bench.order(8, -1)
+    refusal, = bench.refusals
+    assert refusal.reason == Reason(
+        ReasonCode.WRONG_ROUTE,
+        'The graph forbids to drive edge -1: its speed in this direction is 0')
+    assert bench.states() == [EdgeState.COMPLETE]
 
 
 def test_a_duplicate_of_a_refused_route_is_refused_again_wherever_the_robot_is_by_now():

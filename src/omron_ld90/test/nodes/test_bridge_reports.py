@@ -11,7 +11,8 @@ from route_protocol.messages import fill_order, fill_refusal, fill_report, order
 from route_protocol.values import EpochCause, Motion, ReasonCode, RouteOrder, RouteRefusal
 from trajectory_graph import Edge, Graph, Vertex
 
-GRAPH = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 0.0, 0.0)], [Edge(1, 1, 2)])
+GRAPH = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 0.0, 0.0)],
+              [Edge(1, 1, 2, velocity_forward=1.0, velocity_backwards=1.0)])
 EPOCH = 2 ** 63 - 1
 
 

@@ -61,6 +61,22 @@ class UnknownEdge(TrajectoryGraphError):
         return f'The graph has no edge {self.id}.'
 
 
+class ForbiddenDirection(TrajectoryGraphError):
+    """An edge of a route whose speed is 0 in the direction of the route.
+
+    id   -- the signed id of the edge
+    name -- its name for people
+    """
+
+    def __init__(self, id: int, name: str) -> None:
+        super().__init__(id, name)
+        self.id = id
+        self.name = name
+
+    def __str__(self) -> str:
+        return f'The graph forbids to drive {self.name}: its speed in this direction is 0.'
+
+
 class NoPath(TrajectoryGraphError):
     """Two vertices between which there is no path."""
 

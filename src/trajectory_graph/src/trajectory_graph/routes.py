@@ -3,8 +3,10 @@ from __future__ import annotations
 
 from typing import List, Sequence
 
-from trajectory_graph.errors import DiscontinuousRoute
+from trajectory_graph.drawn_names import edge_name
+from trajectory_graph.errors import DiscontinuousRoute, ForbiddenDirection
 from trajectory_graph.graph import Graph
+from trajectory_graph.graph_changes import speed_of
 
 
 def check_route(graph: Graph, edges: Sequence[int]) -> None:
@@ -15,6 +17,16 @@ def check_route(graph: Graph, edges: Sequence[int]) -> None:
         end, start = graph.end_vertex(first).id, graph.start_vertex(second).id
         if end != start:
             raise DiscontinuousRoute(first, end, second, start)
+
+
+def check_drivable(graph: Graph, edges: Sequence[int]) -> None:
+    """Raises the errors of `check_route`, or ForbiddenDirection if an edge has the speed 0 in the
+    direction of the route.
+    """
+    check_route(graph, edges)
+    for edge in edges:
+        if speed_of(graph, edge) <= 0.0:
+            raise ForbiddenDirection(edge, edge_name(graph, edge))
 
 
 def route_vertices(graph: Graph, edges: Sequence[int]) -> List[int]:

@@ -11,7 +11,7 @@ from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision.edge_times import EdgeTimes
 from fleet_core.supervision.robots import ManagedRobot
-from trajectory_graph import Graph
+from trajectory_graph import Graph, speed_of
 
 
 class Networks:
@@ -63,7 +63,5 @@ class Networks:
 
     def _nominal_time(self, kind: str, edge: int) -> float:
         graph = self.nominal.graph
-        driven = graph.edge(edge)
-        speed = self._types[kind].drives_at(
-            driven.velocity_forward if edge > 0 else driven.velocity_backwards)
+        speed = self._types[kind].drives_at(speed_of(graph, edge))
         return graph.curve(edge).length / speed if speed else inf

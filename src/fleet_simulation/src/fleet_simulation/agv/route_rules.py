@@ -9,7 +9,7 @@ from route_protocol import order_rules
 from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
-from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph import Graph, TrajectoryGraphError, check_drivable
 from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
@@ -18,14 +18,9 @@ def check_order(order: RouteOrder, drive: AgvMotion) -> None:
     """Raises RouteRefused for an order that is wrong regardless of the vehicle's place."""
     order_rules.check_order(order, 'the vehicle')
     try:
-        check_route(drive.graph, order.edges)
+        check_drivable(drive.graph, order.edges)
     except TrajectoryGraphError as error:
         raise wrong_route(error) from None
-    for edge in order.edges:
-        if not drive.speeds.may_drive(edge):
-            raise RouteRefused(Reason(
-                ReasonCode.WRONG_ROUTE,
-                f'{edge_name(drive.graph, edge)} is not for driving this way: its speed is 0'))
 
 
 def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:

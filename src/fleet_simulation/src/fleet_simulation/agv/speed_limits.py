@@ -7,7 +7,7 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 
-from trajectory_graph import Graph
+from trajectory_graph import Graph, speed_of
 
 SAMPLE = 0.05   # m; distance between the points at which the bend of a curve is computed
 CORNER = 0.05   # rad; up to this change of direction, an AGV need not stop between two edges
@@ -45,10 +45,6 @@ class SpeedLimits:
         self._stretches: Dict[int, List[Stretch]] = {}
         self._corners: Dict[Tuple[int, int], bool] = {}
 
-    def may_drive(self, edge: int) -> bool:
-        """Returns whether the edge may be driven in this direction: its speed is not 0."""
-        return self._edge_speed(edge) > 0.0
-
     def along(self, edge: int) -> List[Stretch]:
         """Returns the stretches of a signed edge, in driving order.
 
@@ -67,14 +63,10 @@ class SpeedLimits:
                 self._graph.curve(following).heading_at(0.0))) > CORNER
         return self._corners[key]
 
-    def _edge_speed(self, edge: int) -> float:
-        described = self._graph.edge(edge)
-        return described.velocity_forward if edge > 0 else described.velocity_backwards
-
     def _compute(self, edge: int) -> List[Stretch]:
         top = self._drive.speed
         if self._obeys:
-            top = min(top, self._edge_speed(edge))
+            top = min(top, speed_of(self._graph, edge))
         curve = self._graph.curve(edge)
         cells = max(1, math.ceil(curve.length / SAMPLE))
         arcs = np.linspace(0.0, curve.length, cells + 1)

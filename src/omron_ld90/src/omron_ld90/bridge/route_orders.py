@@ -9,15 +9,17 @@ from route_protocol.intake import DueOrder
 from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
-from trajectory_graph import Graph, TrajectoryGraphError, change_of, check_route
+from trajectory_graph import Graph, TrajectoryGraphError, change_of, check_drivable
 from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
 
 def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
-    """Raises RouteRefused if the edges do not exist, or do not join."""
+    """Raises RouteRefused if the edges do not exist or do not join, or if the graph forbids to drive
+    one of them in this direction.
+    """
     try:
-        check_route(graph, edges)
+        check_drivable(graph, edges)
     except TrajectoryGraphError as error:
         raise wrong_route(error) from None
 

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-from trajectory_graph import Graph, Vertex
+from trajectory_graph import Graph, Vertex, speed_of
 from vda5050_protocol import problems as e
 from vda5050_protocol.values import OrderEdge, OrderNode
 from vda5050_vehicle.drivers.driver import Leg, NotDrivable
@@ -155,8 +155,7 @@ class OrderGraph:
 
     def _is_allowed(self, signed: int) -> bool:
         """Returns whether the edge may be driven in this direction; a velocity of 0 forbids it."""
-        edge = self.graph.edge(signed)
-        return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
+        return speed_of(self.graph, signed) > 0.0
 
     def _choose(self, joining: Sequence[int], edge: OrderEdge, between: str) -> int:
         """Returns the edge that the order names by its id, or else the shortest edge."""
