@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs benchmarks and prints tables. Each figure is the median of several runs; its floor is beside it.
 #
-#   scripts/bench.sh all          each topic, the long ones shortened: about 50 minutes on two cores
+#   scripts/bench.sh all          each topic, the long ones shortened: about 55 minutes on two cores
 #   scripts/bench.sh              each topic as a whole: many hours
 #   scripts/bench.sh TOPIC...     only these topics (scripts/bench/TOPIC.py)
 #   scripts/bench.sh TOPIC --only PART   options go to the topic's program; its --help lists them

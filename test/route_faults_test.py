@@ -138,9 +138,11 @@ class Faults(unittest.TestCase):
                     for v in known.vertices.values()]
         vertices.append(Vertex(id=99, frame_id=vertices[0].frame_id, x=-8.0, y=1.0))
         edges = [Edge(id=e.id, origin_id=e.origin, destination_id=e.destination,
-                      curve_type=e.curve_type.value, param_f=e.param_f, param_b=e.param_b)
+                      curve_type=e.curve_type.value, param_f=e.param_f, param_b=e.param_b,
+                      velocity_forward=e.velocity_forward, velocity_backwards=e.velocity_backwards)
                  for e in known.edges.values()]
-        edges.append(Edge(id=99, origin_id=10, destination_id=99, curve_type='line'))
+        edges.append(Edge(id=99, origin_id=10, destination_id=99, curve_type='line',
+                          velocity_forward=0.5))
         graphs.publish(Graph(vertices=vertices, edges=edges))
         wait_until(lambda: graphs.get_num_connections() >= 1, 10, 'the bridge subscribes to /graph')
         end = self.lab.end_of(self.lab.order([1, 99]))

@@ -50,7 +50,7 @@ def test_an_edge_may_be_driven_only_in_a_direction_that_has_a_speed():
     graph = Graph(places, sections)
     check_drivable(graph, [51, 52])
     check_route(graph, [51, 52, -52])
-    with pytest.raises(ForbiddenDirection, match='forbids to drive edge -5: ') as caught:
+    with pytest.raises(ForbiddenDirection, match='forbids driving over edge -5: ') as caught:
         check_drivable(graph, [51, 52, -52, -51])
     assert caught.value.id == -52
 

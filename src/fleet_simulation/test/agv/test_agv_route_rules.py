@@ -97,7 +97,7 @@ def test_what_cannot_be_driven_is_refused_with_the_reason(edges: tuple, reason: 
 def test_an_edge_of_speed_0_is_refused() -> None:
     agv = Conversation(2, graph_of({1: (0, 0), 2: (4, 0)}, {1: (1, 2)}, one_way=(1,)))
     agv.order(1, -1)
-    assert agv.reason == 'The graph forbids to drive edge -1: its speed in this direction is 0'
+    assert agv.reason == 'The graph forbids driving over edge -1: its speed in this direction is 0'
 
 
 def test_a_refused_change_never_shows_as_failed() -> None:

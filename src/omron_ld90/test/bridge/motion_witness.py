@@ -153,6 +153,7 @@ class Witness(DelayedDrive):
         # since this time the robot drives although the last command is a stop
         self._disobeys_since: Optional[float] = None
         self._anothers = False  # whether the robot drives for another client
+        self._began_unheard = False  # whether the controller missed the beginning of this drive
         self._unheard_until = -100.0  # until this time, no command reaches the controller
         self._forgotten: Set[int] = set()  # epochs of earlier controllers
         self._bridge_knows = NO_WORD  # the last `Word` of which the bridge knows
@@ -415,6 +416,7 @@ class Witness(DelayedDrive):
         self.foreign, self.is_alone = True, False
         if command != 'stop':
             self._anothers, self._driven_at = True, self.now
+            self._began_unheard = not self._controller.connected
         self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
         if not self._controller.connected:
             self._unheard = self._newest_word
@@ -498,7 +500,9 @@ class Witness(DelayedDrive):
             if (command == 'stop' and last.fate is CommandFate.NOT_OBEYED and goal is None
                     and self._driven_at < given_at < self._stood_at):
                 return f'{last} is told of a stop, but the robot stands since'
-        if (self._anothers and goal is not None and goal not in memory.names
+        # on its way into the dock, the robot may show another name; see `drives._may_cause`
+        may_dock = self._began_unheard and 'dock' in memory.names
+        if (self._anothers and goal is not None and goal not in memory.names and not may_dock
                 and memory.giver != NO_GIVER and not memory.stop_owed):
             return f'{memory.giver.name} is told, but another client drives the robot to {goal}'
         if drive and goal is not None and not memory.stop_owed:
@@ -531,7 +535,7 @@ class Witness(DelayedDrive):
         stopped, said = self._stopped, self.now
         if line == 'EStop pressed' or self.foreign and line.startswith('Going to'):
             arrives(seconds, lambda: self._heard(line, stopped, said),
-                    lambda: self._is_shown(line) and self._heard(line, stopped, said))
+                    lambda: self._lost(line, stopped, said))
         elif self.foreign and line == 'Stopping':
             arrives(seconds, lambda: self._heard(line, stopped, said))
         elif self.foreign and line.startswith('Interrupted: '):
@@ -601,6 +605,12 @@ class Witness(DelayedDrive):
             # a drive of ours that is on its way reaches the robot after the other client's drive
             pending = [record for record in memory.records if record.pending]
             self.words += [Word(record.giver, True) for record in pending[-1:] if word.drives]
+
+    def _lost(self, line: str, stopped: Word, said: float) -> None:
+        """Notes that the controller did not hear the line; a status may show the same later."""
+        self._began_unheard = self._began_unheard or line.startswith('Going to')
+        if self._is_shown(line):
+            self._heard(line, stopped, said)
 
     def _is_shown(self, line: str) -> bool:
         """Returns whether the next status shows what a lost line said. This is not so if the robot

@@ -9,6 +9,7 @@ from test_motion_property import Robots, SimulatedRobots
 
 from omron_arcl import drives
 from omron_arcl.drives import Drives
+from omron_arcl.execution import NO_GIVER
 from omron_ld90.bridge import events as p
 
 
@@ -248,6 +249,28 @@ def test_a_stop_of_the_bridge_does_not_end_a_drive_that_the_robot_had_not_answer
     robots.passes(30.0)
     assert robots.world.robot.status == 'Arrived at 6'
     assert not robots.world.broken
+
+
+def test_a_robot_that_was_to_dock_seems_to_dock_if_nobody_heard_of_the_other_clients_drive():
+    world = Witness('rolling', Delays(), dialect='interrupted name')
+    world._controller.give('dock', PERSON, 0, lambda result: None)
+    world.run(1.0)
+    world.another_client('goto 3')
+    world.restart_controller()  # so the line `Going to 3` is lost
+    world.run(10.0)
+    memory = world._controller.motion.memory
+    assert (memory.names, memory.giver, world.robot.goal) == (('dock',), PERSON, '3')
+    assert not world.broken
+
+
+def test_a_robot_that_was_to_dock_for_us_is_not_said_to_dock_for_another_client():
+    world = Witness('rolling', Delays(), dialect='interrupted name')
+    world._controller.give('dock', PERSON, 0, lambda result: None)
+    world.run(1.0)
+    world.another_client('goto 3')
+    world.run(10.0)
+    assert world._controller.motion.memory.giver == NO_GIVER
+    assert not world.broken
 
 
 def test_a_robot_that_refuses_a_drive_of_ours_goes_on_for_the_other_client():

@@ -216,7 +216,7 @@ def test_a_route_against_a_one_way_edge_is_refused():
     refusal, = bench.refusals
     assert refusal.reason == Reason(
         ReasonCode.WRONG_ROUTE,
-        'The graph forbids to drive edge -1: its speed in this direction is 0')
+        'The graph forbids driving over edge -1: its speed in this direction is 0')
     assert bench.states() == [EdgeState.COMPLETE]
 
 

@@ -74,7 +74,7 @@ class ForbiddenDirection(TrajectoryGraphError):
         self.name = name
 
     def __str__(self) -> str:
-        return f'The graph forbids to drive {self.name}: its speed in this direction is 0.'
+        return f'The graph forbids driving over {self.name}: its speed in this direction is 0.'
 
 
 class NoPath(TrajectoryGraphError):

@@ -15,8 +15,8 @@ from trajectory_graph.id_lists import listed
 
 
 def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
-    """Raises RouteRefused if the edges do not exist or do not join, or if the graph forbids to drive
-    one of them in this direction.
+    """Raises RouteRefused if the edges do not exist or do not join, or if the graph forbids driving
+    over one of them in this direction.
     """
     try:
         check_drivable(graph, edges)
