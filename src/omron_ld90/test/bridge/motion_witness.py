@@ -749,7 +749,11 @@ class Witness(DelayedDrive):
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory
-        if not (memory.stop_owed and self._can_be_reached) or memory.drives:
+        owed = max((record.number for record in memory.records if record.owed), default=0)
+        # a later drive may make the stop needless; the robot has not answered it yet
+        waits = self.robot.goal is None and any(
+            record.pending and record.number > owed for record in memory.records)
+        if not (memory.stop_owed and self._can_be_reached) or memory.drives or waits:
             self._owed_since = None
             return
         if self._owed_since is None:

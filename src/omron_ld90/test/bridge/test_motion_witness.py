@@ -263,6 +263,26 @@ def test_a_robot_that_was_to_dock_seems_to_dock_if_nobody_heard_of_the_other_cli
     assert not world.broken
 
 
+def test_an_owed_stop_waits_for_the_answer_to_a_later_drive_while_the_robot_stands():
+    """The robot docks during an outage, in which a stop is given. Then a person sends it on, and
+    another client stops it before it has named the goal of this drive.
+    """
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'interrupted name', Delays())
+    robots.robot_leaves_its_dock_for_a_cancelled_drive(0.3)
+    robots.order_comes_before_the_robot_has_said_why_it_broke_off(0, 'goto 4')
+    robots.epoch_of_others_is_replaced_by_one_of_the_bridge(('person_stops',))
+    robots.route_fails_without_a_controller(p.RobotLink.COMMANDS)
+    robots.person_drives_as_a_route_fails('3', p.RobotLink.COMMANDS)
+    robots.another_client('stop')
+    robots.world.run(10.0)
+    assert robots.world._controller.motion.memory.stop_owed
+    robots.world.run(60.0)  # until the drive has timed out
+    assert not robots.world._controller.motion.memory.stop_owed
+    assert robots.world.robot.goal is None
+    assert not robots.world.broken
+
+
 def test_a_robot_that_was_to_dock_for_us_is_not_said_to_dock_for_another_client():
     world = Witness('rolling', Delays(), dialect='interrupted name')
     world._controller.give('dock', PERSON, 0, lambda result: None)
