@@ -296,6 +296,22 @@ def test_what_others_drove_before_is_theirs_after_an_outage_also_if_it_might_lea
     assert (bench.memory.giver, bench.memory.ruling.kind) == (NO_GIVER, RecordKind.FOREIGN_DRIVE)
 
 
+@pytest.mark.parametrize('how', ['lost link', 'restart'])
+@pytest.mark.parametrize('ours, status, interruption', [
+    ('dock', DOCKING, 'Interrupted: Going to dock at Dock'),
+    ('goto 12', 'Going to 12', 'Interrupted: Going to 12')])
+def test_after_an_outage_the_robot_may_break_off_our_drive_for_another_client(
+        bench, how, ours, status, interruption):
+    """After the interruption, the other client's goal is not on the way to our dock."""
+    bench.drive(PERSON, ours)
+    bench.robot(status)
+    bench = after_outage(bench, how)
+    bench.status(status)
+    assert bench.memory.giver == PERSON
+    bench.robot(interruption, 'Going to 3')
+    assert (bench.memory.giver, bench.memory.ruling.kind) == (NO_GIVER, RecordKind.FOREIGN_DRIVE)
+
+
 def test_a_goal_of_a_drive_to_be_answered_first_is_not_on_the_way_to_the_dock(bench):
     bench.drive(ROUTE, 'goto 3')
     bench.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')

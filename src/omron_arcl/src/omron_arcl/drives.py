@@ -813,13 +813,15 @@ class Drives:
                    and self.has_begun(self._executions[r.number]) for r in self._records)
 
     def lost_drives(self, activity: Activity) -> List[DriveRecord]:
-        """Returns the drives of unknown fate that may be the cause of this motion.
+        """Returns the drives without a command that may be the cause of this motion: their fate is
+        unknown, or a status after an outage has shown that the robot obeys them.
 
         A drive of tasks is not returned for a motion without a name: the same task may cause
         further motions.
         """
         goal = activity.goal.casefold()
-        return [r for r in self._records if r.fate is Fate.UNKNOWN and _may_cause(r, activity)
+        return [r for r in self._records if r.fate in (Fate.UNKNOWN, Fate.OBEYED)
+                and r.kind is RecordKind.DRIVE and _may_cause(r, activity)
                 and r.number not in self._executions and not self._has_to_answer(r)
                 and (goal in r.names or activity.kind is ActivityKind.DOCKING)
                 and (goal or spec_of(r.verb).course is not DriveCourse.OF_TASKS)]

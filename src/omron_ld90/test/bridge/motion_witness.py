@@ -747,13 +747,20 @@ class Witness(DelayedDrive):
             drive.result is None or drive.result.outcome not in REFUSED_OUTCOMES
             for drive in self._others_drives[drives:])
 
+    @property
+    def owed_stop_waits(self) -> bool:
+        """Whether the robot stands, and has not answered a drive that was given after the owed
+        stop. This drive may make the stop needless.
+        """
+        records = self._controller.motion.memory.records
+        owed = max((record.number for record in records if record.owed), default=0)
+        return self.robot.goal is None and any(
+            record.pending and record.number > owed for record in records)
+
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory
-        owed = max((record.number for record in memory.records if record.owed), default=0)
-        # a later drive may make the stop needless; the robot has not answered it yet
-        waits = self.robot.goal is None and any(
-            record.pending and record.number > owed for record in memory.records)
-        if not (memory.stop_owed and self._can_be_reached) or memory.drives or waits:
+        if (not (memory.stop_owed and self._can_be_reached) or memory.drives
+                or self.owed_stop_waits):
             self._owed_since = None
             return
         if self._owed_since is None:

@@ -313,7 +313,7 @@ class Robots(RuleBasedStateMachine):
         world = self.world
         assert not world.broken, world.broken
         memory = world._controller.motion.memory
-        assert not memory.stop_owed
+        assert not memory.stop_owed or world.owed_stop_waits
         assert not (world.bridge.running and world.bridge.robot.tracker.awaits_motion), (
             'the bridge waits for ever to hear what became of its drive')
         if world.robot.goal is not None and not world._anothers:
