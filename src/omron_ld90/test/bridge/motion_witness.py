@@ -500,9 +500,8 @@ class Witness(DelayedDrive):
             if (command == 'stop' and last.fate is CommandFate.NOT_OBEYED and goal is None
                     and self._driven_at < given_at < self._stood_at):
                 return f'{last} is told of a stop, but the robot stands since'
-        # on its way into the dock, the robot may show another name; see `drives._may_cause`
-        may_dock = self._began_unheard and 'dock' in memory.names
-        if (self._anothers and goal is not None and goal not in memory.names and not may_dock
+        if (self._anothers and goal is not None and goal not in memory.names
+                and not self._seems_to_dock
                 and memory.giver != NO_GIVER and not memory.stop_owed):
             return f'{memory.giver.name} is told, but another client drives the robot to {goal}'
         if drive and goal is not None and not memory.stop_owed:
@@ -568,7 +567,8 @@ class Witness(DelayedDrive):
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
         last = self._last_word()
-        if before is None or before is not self._newest_word or self._seems_ours:
+        if before is None or before is not self._newest_word or self._seems_ours or (
+                self._seems_to_dock):
             return
         if status.startswith(('Going to', 'Arrived at')) or status == 'Stopped' and (
                 last is None or last.drives):
@@ -580,6 +580,14 @@ class Witness(DelayedDrive):
         looks the same.
         """
         return self.robot.status.split()[-1] in self._controller.motion.memory.names
+
+    @property
+    def _seems_to_dock(self) -> bool:
+        """Whether the controller may take the drive of another client for a drive of ours to the
+        dock: it has not heard the beginning, and some robots name their dock as a goal.
+        """
+        return (self._began_unheard and self.robot.status.startswith('Going to')
+                and 'dock' in self._controller.motion.memory.names)
 
     def _heard(self, line: str, stopped: Word, said: float) -> None:
         """Notes another client's command, unless a command of ours has the same effect now.
@@ -609,7 +617,7 @@ class Witness(DelayedDrive):
     def _lost(self, line: str, stopped: Word, said: float) -> None:
         """Notes that the controller did not hear the line; a status may show the same later."""
         self._began_unheard = self._began_unheard or line.startswith('Going to')
-        if self._is_shown(line):
+        if self._is_shown(line) and not self._seems_to_dock:
             self._heard(line, stopped, said)
 
     def _is_shown(self, line: str) -> bool:
