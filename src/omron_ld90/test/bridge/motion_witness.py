@@ -757,13 +757,13 @@ class Witness(DelayedDrive):
 
     @property
     def owed_stop_waits(self) -> bool:
-        """Whether the robot stands, and has not answered a drive that was given after the owed
-        stop. This drive may make the stop needless.
+        """Whether a stop is owed, the robot stands, and it has not answered a drive that was given
+        after this stop. This drive may make the stop needless.
         """
-        records = self._controller.motion.memory.records
-        owed = max((record.number for record in records if record.owed), default=0)
-        return self.robot.goal is None and any(
-            record.pending and record.number > owed for record in records)
+        memory = self._controller.motion.memory
+        owed = max((record.number for record in memory.records if record.owed), default=0)
+        return memory.stop_owed and self.robot.goal is None and any(
+            record.pending and record.number > owed for record in memory.records)
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory

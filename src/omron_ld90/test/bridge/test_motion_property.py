@@ -23,6 +23,7 @@ from motion_witness import YARD, Witness
 from simulated_robot import DIALECTS
 
 from omron_arcl import ArclError, Giver
+from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT
 from omron_arcl.records import MotionCause
 from omron_ld90.bridge import events as p
 
@@ -36,6 +37,7 @@ WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # commands of anot
 PROGRAMS = ['/adapter', '/joystick']
 IN_AN_OUTAGE = [('person_stops',), ('person_cancels',), *((program,) for program in PROGRAMS),
                 *(('another_client', command) for command in COMMANDS)]
+UNANSWERED = ACKNOWLEDGE_TIMEOUT + 1.0  # s after which an unanswered drive has timed out
 SETTLED = 20.0  # s until a robot that can be reached has obeyed its commands, in any dialect
 
 
@@ -307,13 +309,15 @@ class Robots(RuleBasedStateMachine):
         self.help()
         self.world.run(SETTLED, lambda: self.world.is_well)
         self.world.run(SETTLED)
+        if self.world.owed_stop_waits:
+            self.world.run(UNANSWERED)
 
     def check_end(self) -> None:
         """Checks that at the end the robot obeys each stop that no later drive has replaced."""
         world = self.world
         assert not world.broken, world.broken
         memory = world._controller.motion.memory
-        assert not memory.stop_owed or world.owed_stop_waits
+        assert not memory.stop_owed
         assert not (world.bridge.running and world.bridge.robot.tracker.awaits_motion), (
             'the bridge waits for ever to hear what became of its drive')
         if world.robot.goal is not None and not world._anothers:

@@ -251,16 +251,43 @@ def test_a_stop_of_the_bridge_does_not_end_a_drive_that_the_robot_had_not_answer
     assert not robots.world.broken
 
 
-def test_a_robot_that_was_to_dock_seems_to_dock_if_nobody_heard_of_the_other_clients_drive():
+def _world_in_which_another_client_drives_a_robot_that_docks_for_us() -> Witness:
     world = Witness('rolling', Delays(), dialect='interrupted name')
     world._controller.give('dock', PERSON, 0, lambda result: None)
     world.run(1.0)
     world.another_client('goto 3')
+    return world
+
+
+def test_a_robot_that_was_to_dock_seems_to_dock_if_nobody_heard_of_the_other_clients_drive():
+    world = _world_in_which_another_client_drives_a_robot_that_docks_for_us()
     world.restart_controller()  # so the line `Going to 3` is lost
     world.run(10.0)
     memory = world._controller.motion.memory
     assert (memory.names, memory.giver, world.robot.goal) == (('dock',), PERSON, '3')
     assert not world.broken
+
+
+def test_a_robot_that_was_to_dock_drives_for_the_other_client_if_the_drive_was_heard():
+    world = _world_in_which_another_client_drives_a_robot_that_docks_for_us()
+    world.run(10.0)
+    assert world._controller.motion.memory.giver == NO_GIVER
+    assert not world.broken
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+def test_it_is_found_that_a_drive_of_others_is_told_as_our_way_into_the_dock(
+        monkeypatch, is_planted):
+    if is_planted:
+        monkeypatch.setattr(Drives, 'lost_drives', lambda self, activity: [])
+    world = Witness('rolling', Delays(), dialect='interrupted name')
+    world._controller.give('dock', PERSON, 0, lambda result: None)
+    world.run(1.0)
+    world.cut(p.RobotLink.COMMANDS, 1.0)
+    world.run(2.0)  # a status has shown that the robot still docks
+    world.another_client('goto 3')
+    world.run(10.0)
+    assert bool(world.broken) is is_planted
 
 
 def test_an_owed_stop_waits_for_the_answer_to_a_later_drive_while_the_robot_stands():
@@ -281,16 +308,6 @@ def test_an_owed_stop_waits_for_the_answer_to_a_later_drive_while_the_robot_stan
     assert not robots.world._controller.motion.memory.stop_owed
     assert robots.world.robot.goal is None
     assert not robots.world.broken
-
-
-def test_a_robot_that_was_to_dock_for_us_is_not_said_to_dock_for_another_client():
-    world = Witness('rolling', Delays(), dialect='interrupted name')
-    world._controller.give('dock', PERSON, 0, lambda result: None)
-    world.run(1.0)
-    world.another_client('goto 3')
-    world.run(10.0)
-    assert world._controller.motion.memory.giver == NO_GIVER
-    assert not world.broken
 
 
 def test_a_robot_that_refuses_a_drive_of_ours_goes_on_for_the_other_client():
